@@ -1,0 +1,1 @@
+//! Candidate effects and the evidence for them: what the model lacks; file-unaware.

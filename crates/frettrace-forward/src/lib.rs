@@ -1,0 +1,1 @@
+//! Forward problem: harmonic balance and time march of a beam with frictional contacts; knows no measurement.

@@ -1,0 +1,16 @@
+//! Harmonics of sampled signals.
+//!
+//! # Convention
+//! A periodic signal of base angular frequency `Ω` is `x(t) = Re Σ_{h=0..H} x̂_h e^{ihΩt}`; `x̂_0` is real.
+//! The amplitude of line `h ≥ 1` is `|x̂_h|`, its mean square `|x̂_h|²/2`.
+//!
+//! # Normalization
+//! [`Grid::project`] and [`Grid::evaluate`] are inverse to each other for `N > 2H` samples a period.
+//!
+//! # Order
+//! Line `h` of a harmonic form is the frequency `hΩ`; of a subharmonic form of order `ν` it is `hΩ/ν`: the base
+//! frequency carries `ν`, nothing else does.
+
+mod grid;
+
+pub use grid::{Grid, GridError, GridScratch};

@@ -1,0 +1,1 @@
+//! Inverse harmonic balance: accelerations to contact forces and slip; friction-law-free.

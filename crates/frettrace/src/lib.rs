@@ -1,0 +1,1 @@
+//! The study: all rooms wired, and the reports.

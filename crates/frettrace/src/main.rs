@@ -1,0 +1,3 @@
+//! The program `frettrace`.
+
+fn main() {}

@@ -1,0 +1,1 @@
+//! How to use frettrace, in reading order.
