@@ -1,0 +1,33 @@
+//! Why a study could not be done.
+
+use std::path::PathBuf;
+
+/// Why a study could not be done: the data or a file is at fault.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StudyError {
+    /// A file cannot be written.
+    #[error("{}: cannot be written: {source}; choose a folder that exists and may be written to", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A file cannot be read.
+    #[error("{}: cannot be read: {source}; check the path and its permissions", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A result file is not the JSON it should be.
+    #[error("{}: not a result of identify or explain: {source}; give the JSON file written with -o", path.display())]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: serde_json::Error,
+    },
+}

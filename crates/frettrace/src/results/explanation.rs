@@ -1,0 +1,232 @@
+//! `EXPLAIN.json`: what the declared model lacks.
+
+use super::{Estimate, Identification, NoiseFloorSource, Provenance, number};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The outcome of an explanation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// The declared model says all that the data say.
+    NothingMissing,
+    /// Named effects were missing; with them the model is complete.
+    Explained,
+    /// Something is missing that is in no list.
+    #[default]
+    Unexplained,
+}
+
+/// Where an effect lives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Place {
+    /// In the friction contact.
+    Contact,
+    /// In the beam and its supports.
+    Structure,
+    /// In the exciter.
+    Excitation,
+    /// In the measurement chain.
+    Measurement,
+}
+
+/// An effect the declared model lacks.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Effect {
+    /// Its id in the contract's list.
+    pub id: String,
+    /// Probability that it is there.
+    #[serde(with = "number::scalar")]
+    pub probability: f64,
+    /// Position on the beam [m], for effects that have one.
+    pub position_m: Option<f64>,
+    /// Index of the sensor from 0, for effects of one channel.
+    pub sensor: Option<usize>,
+    /// Its parameters by name.
+    pub parameters: BTreeMap<String, Estimate>,
+    /// Ids of effects these data cannot tell from it (at most two).
+    #[serde(default)]
+    pub indistinguishable_from: Vec<String>,
+    /// The experiment that would tell them apart.
+    #[serde(default)]
+    pub separating_experiment: Option<String>,
+}
+
+/// Error before and after, as relative RMS of measured minus predicted.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BeforeAfter {
+    /// With the declared model.
+    #[serde(with = "number::scalar")]
+    pub before: f64,
+    /// With the effects in it.
+    #[serde(with = "number::scalar")]
+    pub after: f64,
+    /// The same measure for a perfect model.
+    #[serde(with = "number::scalar")]
+    pub noise_floor: f64,
+    /// Where the noise floor comes from.
+    #[serde(default)]
+    pub noise_floor_source: NoiseFloorSource,
+    /// Names of the runs it is about.
+    #[serde(default)]
+    pub runs: Vec<String>,
+}
+
+/// A candidate that was tried.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Candidate {
+    /// Its id.
+    pub id: String,
+    /// Relative RMS error with it, on the fitted runs.
+    #[serde(with = "number::scalar")]
+    pub error: f64,
+    /// Evidence against the model without it: difference of the Bayesian information criterion, positive for it.
+    #[serde(with = "number::scalar")]
+    pub evidence: f64,
+}
+
+/// The residual against one quantity: mean square in bins, in units of the noise.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ResidualShape {
+    /// The quantity: slip, slip velocity, normal force, phase, time, level or sensor.
+    pub against: String,
+    /// Its unit.
+    pub unit: String,
+    /// Centres of the bins.
+    #[serde(with = "number::series")]
+    pub centre: Vec<f64>,
+    /// Residual before, in standard deviations of the noise.
+    #[serde(with = "number::series")]
+    pub before: Vec<f64>,
+    /// Residual after, in standard deviations of the noise.
+    #[serde(with = "number::series")]
+    pub after: Vec<f64>,
+}
+
+/// Friction force against slip over one period of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ContactLoop {
+    /// Name of the run.
+    pub run: String,
+    /// Label of the run.
+    pub label: String,
+    /// Whether nothing was fitted to this run.
+    pub held_out: bool,
+    /// Unit of the slip.
+    pub slip_unit: String,
+    /// Slip.
+    #[serde(with = "number::series")]
+    pub slip: Vec<f64>,
+    /// Slip velocity; empty where it is not known.
+    #[serde(with = "number::series", default)]
+    pub slip_velocity: Vec<f64>,
+    /// Measured (recovered) friction force [N].
+    #[serde(with = "number::series")]
+    pub measured: Vec<f64>,
+    /// Modelled by the declared model [N].
+    #[serde(with = "number::series")]
+    pub before: Vec<f64>,
+    /// Modelled with the effects in it [N].
+    #[serde(with = "number::series")]
+    pub after: Vec<f64>,
+}
+
+/// One channel over one period of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Waveform {
+    /// Name of the run.
+    pub run: String,
+    /// Label of the run.
+    pub label: String,
+    /// Whether nothing was fitted to this run.
+    pub held_out: bool,
+    /// What is shown, with its unit: `acceleration of sensor 3 [m/s²]`.
+    pub channel: String,
+    /// Time [s].
+    #[serde(with = "number::series")]
+    pub time: Vec<f64>,
+    /// Measured.
+    #[serde(with = "number::series")]
+    pub measured: Vec<f64>,
+    /// Modelled by the declared model.
+    #[serde(with = "number::series")]
+    pub before: Vec<f64>,
+    /// Modelled with the effects in it.
+    #[serde(with = "number::series")]
+    pub after: Vec<f64>,
+}
+
+/// What the report draws; at most some hundred points a curve.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Exhibits {
+    /// Friction loops, measured and modelled.
+    #[serde(default)]
+    pub loops: Vec<ContactLoop>,
+    /// Channels, measured and modelled.
+    #[serde(default)]
+    pub waveforms: Vec<Waveform>,
+    /// The residual against what may drive it.
+    #[serde(default)]
+    pub residual: Vec<ResidualShape>,
+}
+
+/// What the declared model lacks: `EXPLAIN.json`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Explanation {
+    /// The outcome.
+    pub verdict: Verdict,
+    /// The effects named.
+    pub effects: Vec<Effect>,
+    /// Where they live; `null` when nothing is missing.
+    pub place: Option<Place>,
+    /// Error on the runs that were fitted.
+    pub error: BeforeAfter,
+    /// Error on runs that nothing was fitted to; absent where there are too few runs to hold any out.
+    pub held_out: Option<BeforeAfter>,
+    /// All candidates tried, best first.
+    pub candidates: Vec<Candidate>,
+    /// The declared model, fitted.
+    pub baseline: Identification,
+    /// The model with the effects in it, fitted.
+    pub model: Identification,
+    /// What the report draws.
+    #[serde(default)]
+    pub exhibits: Exhibits,
+    /// What the result rests on.
+    #[serde(default)]
+    pub provenance: Provenance,
+    /// What a reader must know: what stays open, and why.
+    #[serde(default)]
+    pub notes: Vec<String>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Words and keys are those of the contract.
+    #[test]
+    fn json_has_the_words_of_the_contract() {
+        let found = Explanation {
+            verdict: Verdict::NothingMissing,
+            place: Some(Place::Contact),
+            held_out: Some(BeforeAfter {
+                before: 0.1,
+                after: 0.02,
+                noise_floor: 0.02,
+                ..BeforeAfter::default()
+            }),
+            effects: vec![Effect { id: "friction.stribeck".into(), ..Effect::default() }],
+            ..Explanation::default()
+        };
+        let json = serde_json::to_value(&found).unwrap();
+        assert_eq!(json["verdict"], "nothing-missing");
+        assert_eq!(json["place"], "contact");
+        assert_eq!(json["held_out"]["before"], 0.1);
+        for key in ["id", "probability", "position_m", "sensor", "parameters", "indistinguishable_from"] {
+            assert!(json["effects"][0].get(key).is_some(), "effects.{key}");
+        }
+        assert_eq!(serde_json::from_value::<Explanation>(json).unwrap(), found);
+    }
+}

@@ -1,0 +1,16 @@
+//! What the commands find, as their JSON files hold it (SI units).
+//!
+//! Infinite and undefined numbers are `null` in JSON and read back as NaN: an interval without an end is `null`.
+
+mod explanation;
+mod identification;
+mod number;
+
+pub use explanation::{
+    BeforeAfter, Candidate, ContactLoop, Effect, Exhibits, Explanation, Place, ResidualShape, Verdict,
+    Waveform,
+};
+pub use identification::{
+    ErrorSummary, Estimate, HeldOut, Identification, ModeEstimate, NoiseFloorSource, Provenance, Step,
+    Structure,
+};

@@ -1,0 +1,76 @@
+//! Results written beside their place, then renamed: a failed command leaves no half-written file.
+
+use crate::StudyError;
+use serde::{Serialize, de::DeserializeOwned};
+use std::{io::Write, path::Path};
+
+/// Writes `text` to `path` in one act: the file is there complete, or not at all.
+///
+/// # Errors
+/// [`StudyError::Write`] when the folder is missing or may not be written to.
+pub fn write_text(path: &Path, text: &str) -> Result<(), StudyError> {
+    let failed = |source| StudyError::Write { path: path.to_owned(), source };
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut beside = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
+    beside.write_all(text.as_bytes()).map_err(failed)?;
+    share(&beside).map_err(failed)?;
+    beside.persist(path).map_err(|error| failed(error.error))?;
+    Ok(())
+}
+
+/// A temporary file is private; a result is readable as any other file.
+#[cfg(unix)]
+fn share(file: &tempfile::NamedTempFile) -> std::io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn share(_: &tempfile::NamedTempFile) -> std::io::Result<()> {
+    Ok(())
+}
+
+/// A result as indented JSON with a final line break.
+///
+/// # Errors
+/// [`StudyError::Json`] when a value cannot be written as JSON.
+pub fn to_json(path: &Path, result: &impl Serialize) -> Result<String, StudyError> {
+    let mut text = serde_json::to_string_pretty(result)
+        .map_err(|source| StudyError::Json { path: path.to_owned(), source })?;
+    text.push('\n');
+    Ok(text)
+}
+
+/// Reads a result written by [`to_json`].
+///
+/// # Errors
+/// [`StudyError::Read`] when the file cannot be read, [`StudyError::Json`] when it is not such a result.
+pub fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, StudyError> {
+    let text =
+        std::fs::read_to_string(path).map_err(|source| StudyError::Read { path: path.to_owned(), source })?;
+    serde_json::from_str(&text).map_err(|source| StudyError::Json { path: path.to_owned(), source })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A written file is complete, replaces its predecessor, and leaves nothing beside it.
+    #[test]
+    fn a_file_is_replaced_in_one_act() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("result.json");
+        write_text(&path, "old").unwrap();
+        write_text(&path, "new").unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "new");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    /// A missing folder is one clear line that says what would mend it.
+    #[test]
+    fn a_missing_folder_is_named() {
+        let error = write_text(Path::new("no-such-folder/result.json"), "x").unwrap_err().to_string();
+        assert!(error.starts_with("no-such-folder/result.json: cannot be written"), "{error}");
+        assert!(!error.contains('\n') && error.contains("choose a folder"), "{error}");
+    }
+}
