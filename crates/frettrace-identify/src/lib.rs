@@ -1,1 +1,20 @@
 //! Fits any model that gives residual and Jacobian; the contact-level friction fit; beam-unaware.
+//!
+//! A [`Model`] states its parameters and its whitened residual. [`fit`] minimises, [`fit_from_many`] starts in many
+//! places, and [`identify`] turns a [`Fit`] into an [`Identified`]: values, covariance, profile-likelihood intervals,
+//! and for each parameter whether the data can tell it at all.
+
+mod error;
+mod fit;
+mod identified;
+mod model;
+mod parameter;
+mod profile;
+
+pub use error::IdentifyError;
+pub use fit::{Fit, FitSettings, ManyFits, Status, fit, fit_from_many, starts};
+pub use identified::{
+    Identifiability, Identified, IdentifiedParameter, IdentifySettings, ResidualStatistics, identify,
+};
+pub use model::{Model, NoSolution};
+pub use parameter::{Parameter, Prior, Transform};

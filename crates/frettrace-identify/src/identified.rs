@@ -1,0 +1,269 @@
+use crate::fit::{Fit, FitSettings, Status, stacked};
+use crate::{IdentifyError, Model, NoSolution, profile};
+use nalgebra::DMatrix;
+
+/// How a fit is judged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IdentifySettings {
+    /// Settings of the re-fits along profiles.
+    pub fit: FitSettings,
+    /// Which parameters get a profile-likelihood interval; empty means all. Others get the linear one.
+    pub profiled: Vec<bool>,
+    /// Widest half interval, in the coordinate, that still counts as identified: ln 2 for a logarithm is a factor of 2.
+    pub widest: f64,
+    /// Effective number of independent residuals, where neighbours are correlated; `None`: all are independent.
+    pub effective_count: Option<f64>,
+}
+
+impl Default for IdentifySettings {
+    fn default() -> Self {
+        Self {
+            fit: FitSettings::default(),
+            profiled: Vec::new(),
+            widest: std::f64::consts::LN_2,
+            effective_count: None,
+        }
+    }
+}
+
+/// Whether the data tell a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Identifiability {
+    /// They do.
+    Identifiable,
+    /// They do not: why, and which experiment would.
+    NotIdentifiable {
+        /// Why.
+        reason: String,
+        /// The experiment that would tell.
+        experiment: String,
+    },
+    /// It was not free.
+    Fixed,
+}
+
+/// A parameter with its uncertainty.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IdentifiedParameter {
+    /// Name.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
+    /// Value.
+    pub value: f64,
+    /// Standard deviation; `None` where the parameter is not identified.
+    pub std: Option<f64>,
+    /// Interval of 95 % confidence; `None` where the parameter is not identified.
+    pub interval95: Option<(f64, f64)>,
+    /// Whether the data tell it.
+    pub identifiability: Identifiability,
+}
+
+impl IdentifiedParameter {
+    /// Whether the data tell it.
+    #[must_use]
+    pub fn is_identifiable(&self) -> bool {
+        self.identifiability == Identifiability::Identifiable
+    }
+}
+
+/// What is left after the fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ResidualStatistics {
+    /// χ² of the data.
+    pub chi_squared: f64,
+    /// Residuals.
+    pub count: usize,
+    /// Effective number of independent residuals.
+    pub effective_count: f64,
+    /// Parameters the data (with priors) determine: rank of the column-scaled Jacobian.
+    pub rank: usize,
+    /// Condition number of the column-scaled Jacobian.
+    pub condition: f64,
+    /// Factor on the covariance: what χ² per degree of freedom exceeds 1, and the correlation of the residuals.
+    pub inflation: f64,
+}
+
+/// A model with its identified parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Identified {
+    /// All parameters in the order of the model.
+    pub parameters: Vec<IdentifiedParameter>,
+    /// Covariance of the free coordinates (logarithms, scaled values), inflated; zero rows for fixed ones.
+    pub covariance: DMatrix<f64>,
+    /// Outcome of the minimisation.
+    pub status: Status,
+    /// Residual statistics.
+    pub statistics: ResidualStatistics,
+}
+
+impl Identified {
+    /// Physical values.
+    #[must_use]
+    pub fn values(&self) -> Vec<f64> {
+        self.parameters.iter().map(|p| p.value).collect()
+    }
+
+    /// The parameter of that name.
+    #[must_use]
+    pub fn parameter(&self, name: &str) -> Option<&IdentifiedParameter> {
+        self.parameters.iter().find(|p| p.name == name)
+    }
+
+    /// Bayesian information criterion `χ²·n_eff/n + k ln n_eff` with the effective sample size.
+    #[must_use]
+    pub fn information_criterion(&self) -> f64 {
+        let s = &self.statistics;
+        s.chi_squared * s.effective_count / s.count as f64 + s.rank as f64 * s.effective_count.ln()
+    }
+}
+
+/// Judges a fit: covariance, rank, profile-likelihood intervals, identifiability.
+///
+/// The interval of a parameter is where the re-fitted χ² stays within 3.84 (times the inflation) of its minimum. A
+/// parameter whose profile does not close within its bounds, or closes wider than `settings.widest`, is not
+/// identifiable and gets no interval.
+///
+/// # Errors
+/// [`IdentifyError::NoStart`] where the model has no solution at the fitted values.
+pub fn identify<M: Model>(
+    model: &M,
+    fit: &Fit,
+    settings: &IdentifySettings,
+) -> Result<Identified, IdentifyError> {
+    let judged =
+        Judged::new(model, fit, settings).map_err(|NoSolution| IdentifyError::NoStart { starts: 1 })?;
+    let count = fit.values.len();
+    let profiled = |j: usize| settings.profiled.get(j).copied().unwrap_or(settings.profiled.is_empty());
+    let parameters = (0..count)
+        .map(|j| {
+            let ends = fit.free[j].then(|| {
+                let linear = profile::linear_interval(&judged, j);
+                if profiled(j) && linear.is_some() { profile::interval(&judged, j) } else { linear }
+            });
+            judged.parameter(j, ends.flatten(), settings.widest)
+        })
+        .collect();
+    Ok(Identified {
+        parameters,
+        covariance: judged.covariance.clone(),
+        status: fit.status,
+        statistics: judged.statistics,
+    })
+}
+
+/// A fit with its curvature.
+pub(crate) struct Judged<'a, M: Model> {
+    pub(crate) model: &'a M,
+    pub(crate) fit: &'a Fit,
+    pub(crate) settings: &'a IdentifySettings,
+    pub(crate) memory: M::Memory,
+    pub(crate) covariance: DMatrix<f64>,
+    pub(crate) statistics: ResidualStatistics,
+}
+
+impl<'a, M: Model> Judged<'a, M> {
+    fn new(model: &'a M, fit: &'a Fit, settings: &'a IdentifySettings) -> Result<Self, NoSolution> {
+        let mut memory = model.memory();
+        let count = model.residual_count();
+        let mut residual = vec![0.0; count];
+        let mut jacobian = DMatrix::zeros(count, fit.values.len());
+        model.linearise(&fit.values, &fit.free, &mut memory, (&mut residual, &mut jacobian))?;
+        let (stacked, _) = stacked(model, &fit.values, &fit.free, (&jacobian, &residual));
+        let curvature = Curvature::new(stacked);
+        let effective_count = settings.effective_count.unwrap_or(count as f64).min(count as f64);
+        let freedom = (count as f64 - curvature.rank as f64).max(1.0);
+        let inflation = (fit.data_cost / freedom).max(1.0) * count as f64 / effective_count;
+        let mut covariance = DMatrix::zeros(fit.values.len(), fit.values.len());
+        let columns: Vec<usize> = (0..fit.free.len()).filter(|j| fit.free[*j]).collect();
+        for (a, i) in columns.iter().enumerate() {
+            for (b, j) in columns.iter().enumerate() {
+                covariance[(*i, *j)] = inflation * curvature.inverse[(a, b)];
+            }
+        }
+        let statistics = ResidualStatistics {
+            chi_squared: fit.data_cost,
+            count,
+            effective_count,
+            rank: curvature.rank,
+            condition: curvature.condition,
+            inflation,
+        };
+        Ok(Self { model, fit, settings, memory, covariance, statistics })
+    }
+
+    fn parameter(&self, j: usize, ends: Option<(f64, f64)>, widest: f64) -> IdentifiedParameter {
+        let parameter = &self.model.parameters()[j];
+        let value = self.fit.values[j];
+        let transform = parameter.transform;
+        let named = |std, interval95, identifiability| IdentifiedParameter {
+            name: parameter.name.clone(),
+            unit: parameter.unit.clone(),
+            value,
+            std,
+            interval95,
+            identifiability,
+        };
+        let not = |reason: &str| Identifiability::NotIdentifiable {
+            reason: reason.to_owned(),
+            experiment: parameter.experiment.clone(),
+        };
+        if !self.fit.free[j] {
+            return named(None, None, Identifiability::Fixed);
+        }
+        if self.fit.at_bound[j] {
+            return named(None, None, not("the estimate lies on the bound of its range"));
+        }
+        let Some((low, high)) = ends else {
+            return named(
+                None,
+                None,
+                not("the data do not bound it: other parameters make up for any change"),
+            );
+        };
+        // Declared parameters are scaled with their own standard deviation: the prior bounds them at all events.
+        if parameter.prior.is_none() && high - low > 2.0 * widest {
+            return named(None, None, not("the 95 % interval is too wide to call it known"));
+        }
+        let std = self.covariance[(j, j)].sqrt() * transform.slope(value).abs();
+        let interval = (transform.value(low), transform.value(high));
+        named(Some(std), Some(interval), Identifiability::Identifiable)
+    }
+}
+
+/// `(JᵀJ)⁻¹`, rank and condition by the singular values of the column-scaled Jacobian.
+struct Curvature {
+    inverse: DMatrix<f64>,
+    rank: usize,
+    condition: f64,
+}
+
+impl Curvature {
+    fn new(jacobian: DMatrix<f64>) -> Self {
+        let scale: Vec<f64> = jacobian.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
+        let mut triangle = jacobian.qr().r();
+        for (mut column, s) in triangle.column_iter_mut().zip(&scale) {
+            column /= *s;
+        }
+        let decomposition = triangle.svd(false, true);
+        let largest = decomposition.singular_values.max();
+        // Rounding of a product of hundreds of steps: a direction this weak is none.
+        let floor = 1e-9 * largest;
+        let rank = decomposition.singular_values.iter().filter(|s| **s > floor).count();
+        let smallest = decomposition.singular_values.min();
+        let n = scale.len();
+        let mut inverse = DMatrix::zeros(n, n);
+        if let Some(directions) = &decomposition.v_t {
+            for (k, s) in decomposition.singular_values.iter().enumerate() {
+                let direction = directions.row(k);
+                inverse += direction.transpose() * direction / s.max(1e-3 * floor).powi(2);
+            }
+        }
+        for i in 0..n {
+            for j in 0..n {
+                inverse[(i, j)] /= scale[i] * scale[j];
+            }
+        }
+        Self { inverse, rank, condition: largest / smallest.max(f64::MIN_POSITIVE) }
+    }
+}
