@@ -10,7 +10,23 @@
 //! # Order
 //! Line `h` of a harmonic form is the frequency `hΩ`; of a subharmonic form of order `ν` it is `hΩ/ν`: the base
 //! frequency carries `ν`, nothing else does.
+//!
+//! | type | role |
+//! |---|---|
+//! | [`Harmonics`] | a periodic signal, with the variance of each line |
+//! | [`Projector`] | whole records to harmonics, by least squares: no integer number of periods is needed |
+//! | [`refine`] | the base frequency from the record itself |
+//! | [`Grid`] | samples of one period to harmonics and back |
 
+mod frequency;
 mod grid;
+mod harmonics;
+mod noise;
+mod phasors;
+mod projection;
 
+pub use frequency::{Frequency, refine};
 pub use grid::{Grid, GridError, GridScratch};
+pub use harmonics::Harmonics;
+pub use noise::spectrum;
+pub use projection::{Lines, Projected, ProjectionError, Projector};

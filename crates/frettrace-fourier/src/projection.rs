@@ -1,0 +1,220 @@
+//! Least-squares projection of whole records on the lines of a base frequency.
+
+use crate::phasors::Phasors;
+use crate::{Harmonics, noise};
+use faer::prelude::Solve;
+use faer::{Mat, Side};
+use num_complex::Complex64;
+
+/// Why a record cannot be projected.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProjectionError {
+    /// More unknowns than the record can carry.
+    #[error("{samples} samples cannot determine {unknowns} unknowns")]
+    TooShort {
+        /// Samples of the record.
+        samples: usize,
+        /// Unknowns asked for.
+        unknowns: usize,
+    },
+    /// Lines lie closer than the record can resolve.
+    #[error("the record holds {periods:.2} periods of the base frequency: its lines cannot be told apart")]
+    Unresolved {
+        /// Periods of the base frequency in the record.
+        periods: f64,
+    },
+    /// A channel has another length than the record.
+    #[error("a channel has {given} samples, the record {samples}")]
+    Length {
+        /// Samples of the channel.
+        given: usize,
+        /// Samples of the record.
+        samples: usize,
+    },
+}
+
+/// Where lines are to be found in a record of equidistant samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lines {
+    /// Base angular frequency [rad/s].
+    pub base: f64,
+    /// Highest line `H`.
+    pub order: usize,
+    /// Samples of the record.
+    pub samples: usize,
+    /// Sampling rate [Hz].
+    pub sampling_rate: f64,
+    /// Degree of the slow drift fitted beside the lines; 0 fits a constant only (line 0).
+    pub drift: usize,
+}
+
+/// One channel projected on lines.
+#[derive(Clone, Debug)]
+pub struct Projected {
+    /// The lines, with variances from the residual around each line.
+    pub harmonics: Harmonics,
+    /// Coefficients of the Legendre polynomials `P_1 … P_d` of the drift over the record.
+    pub drift: Vec<f64>,
+    /// What neither lines nor drift hold (`n`).
+    pub residual: Vec<f64>,
+    /// Standard deviation of the residual, corrected for the unknowns.
+    pub residual_std: f64,
+}
+
+/// Projection by least squares: the record need not hold an integer number of periods.
+///
+/// The normal matrix of `1, cos hΩt, sin hΩt` has entries `½ Re/Im g(h ± k)` of the one sum `g(m) = Σ_j e^{imθj}`, so it
+/// is built in closed form and factored once for all channels.
+pub struct Projector {
+    lines: Lines,
+    phasors: Phasors,
+    polynomials: Vec<Vec<f64>>,
+    factor: faer::linalg::solvers::Llt<f64>,
+    inverse_diagonal: Vec<f64>,
+}
+
+impl Projector {
+    /// Factors the normal equations.
+    ///
+    /// # Errors
+    /// [`ProjectionError::TooShort`] when there are fewer samples than unknowns, [`ProjectionError::Unresolved`] when the
+    /// normal matrix is numerically singular.
+    pub fn new(lines: Lines) -> Result<Self, ProjectionError> {
+        let unknowns = 2 * lines.order + 1 + lines.drift;
+        if lines.samples <= unknowns {
+            return Err(ProjectionError::TooShort { samples: lines.samples, unknowns });
+        }
+        let theta = lines.base / lines.sampling_rate;
+        let phasors = Phasors::new(theta, lines.order, lines.samples);
+        let polynomials = legendre(lines.samples, lines.drift);
+        let normal = normal_matrix(&lines, theta, &phasors, &polynomials);
+        let unresolved =
+            || ProjectionError::Unresolved { periods: theta * lines.samples as f64 / std::f64::consts::TAU };
+        let factor = normal.llt(Side::Lower).map_err(|_| unresolved())?;
+        let inverse = factor.solve(Mat::<f64>::identity(unknowns, unknowns));
+        let inverse_diagonal: Vec<f64> = (0..unknowns).map(|i| inverse[(i, i)]).collect();
+        // A well-posed line has the variance 2σ²/n; a hundred times that means neighbours are told apart by noise.
+        if inverse_diagonal.iter().take(2 * lines.order + 1).any(|v| *v > 200.0 / lines.samples as f64) {
+            return Err(unresolved());
+        }
+        Ok(Self { lines, phasors, polynomials, factor, inverse_diagonal })
+    }
+
+    /// The lines it projects on.
+    #[must_use]
+    pub fn lines(&self) -> &Lines {
+        &self.lines
+    }
+
+    /// Projects one channel of `n` samples.
+    ///
+    /// # Errors
+    /// [`ProjectionError::Length`] when the channel has another number of samples than the record.
+    pub fn project(&self, x: &[f64]) -> Result<Projected, ProjectionError> {
+        let Lines { order, samples, base, .. } = self.lines;
+        if x.len() != samples {
+            return Err(ProjectionError::Length { given: x.len(), samples });
+        }
+        let solution = self.factor.solve(self.right_side(x));
+        let coefficients: Vec<Complex64> = (0..=order)
+            .map(|h| Complex64::new(solution[h], if h == 0 { 0.0 } else { -solution[order + h] }))
+            .collect();
+        let drift: Vec<f64> = (2 * order + 1..solution.nrows()).map(|i| solution[i]).collect();
+        let residual = self.residual(x, &coefficients, &drift);
+        let left = (samples - solution.nrows()) as f64;
+        let residual_std = (residual.iter().map(|r| r * r).sum::<f64>() / left).sqrt();
+        let floor = noise::line_noise(&residual, &self.lines);
+        let variance = (0..=order)
+            .map(|h| {
+                let imaginary = if h == 0 { 0.0 } else { self.inverse_diagonal[order + h] };
+                floor[h] * (self.inverse_diagonal[h] + imaginary)
+            })
+            .collect();
+        let harmonics = Harmonics { base, coefficients, variance };
+        Ok(Projected { harmonics, drift, residual, residual_std })
+    }
+
+    fn right_side(&self, x: &[f64]) -> faer::Col<f64> {
+        let order = self.lines.order;
+        let sums = self.phasors.transform(x);
+        faer::Col::from_fn(2 * order + 1 + self.polynomials.len(), |i| match i {
+            i if i <= order => sums[i].re,
+            i if i <= 2 * order => -sums[i - order].im,
+            i => self.polynomials[i - 2 * order - 1].iter().zip(x).map(|(p, v)| p * v).sum(),
+        })
+    }
+
+    fn residual(&self, x: &[f64], coefficients: &[Complex64], drift: &[f64]) -> Vec<f64> {
+        let mut fit = vec![0.0; x.len()];
+        self.phasors.synthesise(coefficients, &mut fit);
+        for (polynomial, c) in self.polynomials.iter().zip(drift) {
+            fit.iter_mut().zip(polynomial).for_each(|(f, p)| *f += c * p);
+        }
+        x.iter().zip(&fit).map(|(v, f)| v - f).collect()
+    }
+}
+
+/// Legendre polynomials `P_1 … P_degree` on the samples, by Bonnet's recursion.
+fn legendre(samples: usize, degree: usize) -> Vec<Vec<f64>> {
+    let at: Vec<f64> = (0..samples).map(|j| 2.0 * j as f64 / (samples.max(2) - 1) as f64 - 1.0).collect();
+    let mut all = vec![vec![1.0; samples], at.clone()];
+    for k in 1..degree {
+        let k = k as f64;
+        let next = (0..samples)
+            .map(|j| {
+                let (last, before) = (&all[all.len() - 1], &all[all.len() - 2]);
+                ((2.0 * k + 1.0) * at[j] * last[j] - k * before[j]) / (k + 1.0)
+            })
+            .collect();
+        all.push(next);
+    }
+    all.drain(1..).take(degree).collect()
+}
+
+/// Normal matrix of `1, cos hθj (h = 1..H), sin hθj (h = 1..H), P_1 … P_d`.
+fn normal_matrix(lines: &Lines, theta: f64, phasors: &Phasors, polynomials: &[Vec<f64>]) -> Mat<f64> {
+    let order = lines.order;
+    let sums: Vec<Complex64> = (0..=2 * order).map(|m| dirichlet(m as f64 * theta, lines.samples)).collect();
+    let crossed: Vec<Vec<Complex64>> = polynomials.iter().map(|p| phasors.transform(p)).collect();
+    let g = |m: isize| if m < 0 { sums[m.unsigned_abs()].conj() } else { sums[m.unsigned_abs()] };
+    let trigonometric = |i: usize, k: usize| {
+        let (h, q) = (line_of(i, order), line_of(k, order));
+        let (sum, difference) = (g(h + q), g(h - q));
+        match (i <= order, k <= order) {
+            (true, true) => 0.5 * (difference.re + sum.re),
+            (false, false) => 0.5 * (difference.re - sum.re),
+            (false, true) => 0.5 * (sum.im + difference.im),
+            (true, false) => 0.5 * (sum.im - difference.im),
+        }
+    };
+    let mixed = |i: usize, d: usize| {
+        let z = crossed[d][line_of(i, order).unsigned_abs()];
+        if i <= order { z.re } else { -z.im }
+    };
+    let first = 2 * order + 1;
+    Mat::from_fn(first + polynomials.len(), first + polynomials.len(), |i, k| match (i < first, k < first) {
+        (true, true) => trigonometric(i, k),
+        (true, false) => mixed(i, k - first),
+        (false, true) => mixed(k, i - first),
+        (false, false) => {
+            polynomials[i - first].iter().zip(&polynomials[k - first]).map(|(a, b)| a * b).sum()
+        }
+    })
+}
+
+fn line_of(unknown: usize, order: usize) -> isize {
+    (if unknown <= order { unknown } else { unknown - order }) as isize
+}
+
+/// `Σ_{j<n} e^{iφj} = e^{iφ(n−1)/2} sin(nφ/2)/sin(φ/2)`.
+fn dirichlet(phi: f64, n: usize) -> Complex64 {
+    let half = (0.5 * phi).sin();
+    if half.abs() < 1e-12 {
+        return Complex64::new(n as f64, 0.0);
+    }
+    Complex64::cis(0.5 * phi * (n as f64 - 1.0)) * ((0.5 * phi * n as f64).sin() / half)
+}
+
+#[cfg(test)]
+mod tests;
