@@ -4,6 +4,7 @@
 //! marching, the alternating frequency-time method and fitting; derivatives come from dual numbers through the
 //! hysteresis.
 
+pub mod effects;
 mod law;
 
 pub use law::{FrictionLaw, Scalar, Step};

@@ -1,0 +1,163 @@
+//! The parameters of the modified law.
+
+/// Number of hooks.
+pub const HOOKS: usize = 35;
+
+/// A parameter of [`ModifiedLaw`](super::ModifiedLaw): those of the declared laws first, then those of effects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[repr(usize)]
+pub enum Hook {
+    /// Presliding stiffness over the normal force `σ0` [1/m].
+    Sigma0,
+    /// Kinetic friction coefficient `μ_k`.
+    MuKinetic,
+    /// Exponent `i` of Dahl's law.
+    Exponent,
+    /// Presliding damping `σ1` [s/m].
+    Sigma1,
+    /// Velocity over which the presliding damping fades `v_d` [m/s].
+    DampingVelocity,
+    /// Viscous coefficient `σ2` [N·s/m].
+    Viscous,
+    /// Rise of the friction coefficient towards rest `μ_s − μ_k`.
+    StribeckRise,
+    /// Stribeck velocity `v_s` [m/s].
+    StribeckVelocity,
+    /// Stribeck exponent `δ`.
+    StribeckExponent,
+    /// Share of the rational decay `1/(1+x^δ)` beside the exponential one `exp(−x^δ)`.
+    RationalShare,
+    /// Elastic share of the steady deflection.
+    Breakaway,
+    /// Relative difference of the friction coefficient between the two directions, `μ(1 + a·sgn v)`.
+    Asymmetry,
+    /// Time by which the friction coefficient lags behind velocity [s].
+    LagTime,
+    /// Loss of friction when a film has built up, as a share of `μ`.
+    FilmLoss,
+    /// Time constant with which the film builds up [s].
+    FilmRise,
+    /// Time constant with which the film breaks down [s].
+    FilmFall,
+    /// Velocity at which the film is complete [m/s].
+    FilmVelocity,
+    /// Gain of friction per e-fold of the contact's age, as a share of `μ`.
+    AgeingGain,
+    /// Slip that renews the contact [m].
+    AgeingDistance,
+    /// Age from which strengthening is seen [s].
+    AgeingTime,
+    /// Relative change of the friction coefficient with slip [1/m].
+    Position,
+    /// The same, second order [1/m²].
+    PositionSquare,
+    /// Periodic change of the friction coefficient with slip: cosine share.
+    PeriodicCosine,
+    /// Periodic change of the friction coefficient with slip: sine share.
+    PeriodicSine,
+    /// Its wave number [rad/m].
+    PeriodicNumber,
+    /// Exponent `n` in `μ ∝ (N/N₀)^(−n)`.
+    NormalExponent,
+    /// Relative change of the friction coefficient from the first run to the last.
+    Wear,
+    /// Compliance in series with the contact [m/N].
+    SeriesCompliance,
+    /// Spring beside the contact [N/m].
+    ParallelStiffness,
+    /// Cubic spring beside the contact [N/m³].
+    ParallelCubic,
+    /// Half the play of the contact [m].
+    Backlash,
+    /// Relative modulation of the preload: cosine of the phase.
+    ModulationCosine,
+    /// Relative modulation of the preload: sine of the phase.
+    ModulationSine,
+    /// Time constant of a first-order lag of the friction force [s].
+    ForceLag,
+    /// Viscous coefficient of second degree [N·s²/m²].
+    ViscousSquare,
+}
+
+impl Hook {
+    /// All hooks, in the order of their numbers.
+    pub const ALL: [Self; HOOKS] = [
+        Self::Sigma0,
+        Self::MuKinetic,
+        Self::Exponent,
+        Self::Sigma1,
+        Self::DampingVelocity,
+        Self::Viscous,
+        Self::StribeckRise,
+        Self::StribeckVelocity,
+        Self::StribeckExponent,
+        Self::RationalShare,
+        Self::Breakaway,
+        Self::Asymmetry,
+        Self::LagTime,
+        Self::FilmLoss,
+        Self::FilmRise,
+        Self::FilmFall,
+        Self::FilmVelocity,
+        Self::AgeingGain,
+        Self::AgeingDistance,
+        Self::AgeingTime,
+        Self::Position,
+        Self::PositionSquare,
+        Self::PeriodicCosine,
+        Self::PeriodicSine,
+        Self::PeriodicNumber,
+        Self::NormalExponent,
+        Self::Wear,
+        Self::SeriesCompliance,
+        Self::ParallelStiffness,
+        Self::ParallelCubic,
+        Self::Backlash,
+        Self::ModulationCosine,
+        Self::ModulationSine,
+        Self::ForceLag,
+        Self::ViscousSquare,
+    ];
+
+    /// Its name in results and its unit.
+    #[must_use]
+    pub fn name_and_unit(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Sigma0 => ("sigma0", "1/m"),
+            Self::MuKinetic => ("mu_k", "1"),
+            Self::Exponent => ("exponent", "1"),
+            Self::Sigma1 => ("sigma1", "s/m"),
+            Self::DampingVelocity => ("v_d", "m/s"),
+            Self::Viscous => ("sigma2", "N·s/m"),
+            Self::StribeckRise => ("mu_rise", "1"),
+            Self::StribeckVelocity => ("v_s", "m/s"),
+            Self::StribeckExponent => ("delta", "1"),
+            Self::RationalShare => ("rational_share", "1"),
+            Self::Breakaway => ("breakaway", "1"),
+            Self::Asymmetry => ("asymmetry", "1"),
+            Self::LagTime => ("lag_time", "s"),
+            Self::FilmLoss => ("film_loss", "1"),
+            Self::FilmRise => ("film_rise_time", "s"),
+            Self::FilmFall => ("film_fall_time", "s"),
+            Self::FilmVelocity => ("film_velocity", "m/s"),
+            Self::AgeingGain => ("ageing_gain", "1"),
+            Self::AgeingDistance => ("ageing_distance", "m"),
+            Self::AgeingTime => ("ageing_time", "s"),
+            Self::Position => ("position_slope", "1/m"),
+            Self::PositionSquare => ("position_curvature", "1/m^2"),
+            Self::PeriodicCosine => ("periodic_cosine", "1"),
+            Self::PeriodicSine => ("periodic_sine", "1"),
+            Self::PeriodicNumber => ("wave_number", "rad/m"),
+            Self::NormalExponent => ("normal_exponent", "1"),
+            Self::Wear => ("wear", "1"),
+            Self::SeriesCompliance => ("series_compliance", "m/N"),
+            Self::ParallelStiffness => ("parallel_stiffness", "N/m"),
+            Self::ParallelCubic => ("parallel_cubic", "N/m^3"),
+            Self::Backlash => ("half_play", "m"),
+            Self::ModulationCosine => ("modulation_cosine", "1"),
+            Self::ModulationSine => ("modulation_sine", "1"),
+            Self::ForceLag => ("force_lag_time", "s"),
+            Self::ViscousSquare => ("sigma2_square", "N·s^2/m^2"),
+        }
+    }
+}
