@@ -1,8 +1,25 @@
-//! Measurement files and contact records.
+//! Measurement files and contact records: read, checked and written; results written; laboratory formats converted.
+//!
+//! The two kinds of file are HDF5. [`read`] takes either, [`read_measurement`] and [`read_contact_record`]
+//! one of them; every violation of the format is one line: file, place, what is wrong, what would mend it.
+//! Files are written beside their target and renamed when whole.
 
+mod error;
+mod hdf5;
 mod measurement;
+mod read;
+mod results;
+mod units;
+mod write;
 
+pub use error::{Error, Problem};
+pub use hdf5::{Array, Attribute, DataFile};
 pub use measurement::{
     Beam, ContactRecord, ContactRun, Exciter, MeasuredModes, Measurement, Run, SecondSupport, Sensors,
     SlipKind, SlipUnit, Source, Support,
 };
+pub use read::{LAWS, Recording, read, read_contact_record, read_measurement};
+pub use results::{
+    Coefficients, Estimate, Form, HarmonicTable, ReconstructedRun, Reconstruction, write_reconstruction,
+};
+pub use write::{RunTruth, Truth, write_contact_record, write_measurement};
