@@ -5,10 +5,12 @@
 //! | module | holds |
 //! |---|---|
 //! | [`results`] | what `identify` and `explain` find, exactly as their JSON files |
+//! | [`report`] | the findings in words, figures and one HTML page |
 //! | [`store`] | results written beside their place, then renamed |
 
 mod error;
 mod progress;
+pub mod report;
 pub mod results;
 pub mod store;
 

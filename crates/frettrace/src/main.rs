@@ -1,3 +1,19 @@
-//! The program `frettrace`.
+//! The program `frettrace`: arguments in, results out; everything between is the library's.
 
-fn main() {}
+mod commands;
+
+use clap::Parser;
+use std::process::ExitCode;
+
+/// Exit code 0: done; 1: the data or a file is at fault, told in one line; 2: usage (clap ends with it by itself).
+fn main() -> ExitCode {
+    match commands::run(commands::Program::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if commands::reader_has_gone(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            let line = format!("{error:#}").replace('\n', " ");
+            eprintln!("frettrace: {line}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -30,6 +30,14 @@ fn share(_: &tempfile::NamedTempFile) -> std::io::Result<()> {
     Ok(())
 }
 
+/// Makes a folder where it is missing.
+///
+/// # Errors
+/// [`StudyError::Write`] when it cannot be made.
+pub fn make_folder(path: &Path) -> Result<(), StudyError> {
+    std::fs::create_dir_all(path).map_err(|source| StudyError::Write { path: path.to_owned(), source })
+}
+
 /// A result as indented JSON with a final line break.
 ///
 /// # Errors

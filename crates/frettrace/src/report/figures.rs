@@ -1,0 +1,109 @@
+//! The figures of an explanation.
+
+use super::chart::{Chart, Curve, Ink, Role};
+use crate::results::{ContactLoop, Explanation, ResidualShape, Waveform};
+
+/// One figure.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Figure {
+    /// Name for a file, without ending: `loop-0003`.
+    pub name: String,
+    /// The section of the report it stands in.
+    pub section: &'static str,
+    /// The picture.
+    pub svg: String,
+}
+
+/// All figures of an explanation, in reading order.
+#[must_use]
+pub fn figures(found: &Explanation, ink: Ink) -> Vec<Figure> {
+    let exhibits = &found.exhibits;
+    let loops = exhibits.loops.iter().flat_map(|run| contact_loop(run, ink));
+    let waveforms = exhibits.waveforms.iter().flat_map(|channel| waveform(channel, ink));
+    let shapes = exhibits.residual.iter().map(|shape| residual_shape(shape, ink));
+    loops.chain(waveforms).chain(shapes).collect()
+}
+
+fn title(what: &str, run: &str, label: &str, held_out: bool) -> String {
+    let label = if label.is_empty() { String::new() } else { format!(", {label}") };
+    format!("{what}, run {run}{label}{}", if held_out { " (held out)" } else { "" })
+}
+
+fn contact_loop(run: &ContactLoop, ink: Ink) -> Vec<Figure> {
+    let draw = |name: &str, x: &[f64], x_label: &str| {
+        let curve = |name, role, y| Curve { name, role, x, y };
+        let chart = Chart {
+            title: &title("Friction", &run.run, &run.label, run.held_out),
+            x_label,
+            y_label: "friction force [N]",
+            logarithmic: false,
+            curves: vec![
+                curve("measured", Role::Measured, &run.measured),
+                curve("declared model", Role::Before, &run.before),
+                curve("with the effects", Role::After, &run.after),
+            ],
+        };
+        Figure { name: format!("{name}-{}", run.run), section: "Friction loops", svg: chart.svg(ink) }
+    };
+    let mut drawn = vec![draw("loop", &run.slip, &format!("slip [{}]", run.slip_unit))];
+    if !run.slip_velocity.is_empty() {
+        drawn.push(draw("velocity", &run.slip_velocity, &format!("slip velocity [{}/s]", run.slip_unit)));
+    }
+    drawn
+}
+
+fn waveform(channel: &Waveform, ink: Ink) -> Vec<Figure> {
+    let residual =
+        |model: &[f64]| -> Vec<f64> { channel.measured.iter().zip(model).map(|(y, m)| y - m).collect() };
+    let (before, after) = (residual(&channel.before), residual(&channel.after));
+    let curve = |name, role, y| Curve { name, role, x: &channel.time, y };
+    let draw = |name: &str, what: &str, curves| {
+        let chart = Chart {
+            title: &title(what, &channel.run, &channel.label, channel.held_out),
+            x_label: "time [s]",
+            y_label: &channel.channel,
+            logarithmic: false,
+            curves,
+        };
+        Figure {
+            name: format!("{name}-{}", channel.run),
+            section: "Signals and residuals",
+            svg: chart.svg(ink),
+        }
+    };
+    vec![
+        draw(
+            "signal",
+            "Signal",
+            vec![
+                curve("measured", Role::Measured, &channel.measured),
+                curve("declared model", Role::Before, &channel.before),
+                curve("with the effects", Role::After, &channel.after),
+            ],
+        ),
+        draw(
+            "residual",
+            "Residual",
+            vec![
+                curve("declared model", Role::Before, &before),
+                curve("with the effects", Role::After, &after),
+            ],
+        ),
+    ]
+}
+
+fn residual_shape(shape: &ResidualShape, ink: Ink) -> Figure {
+    let curve = |name, role, y| Curve { name, role, x: &shape.centre, y };
+    let chart = Chart {
+        title: &format!("Residual against {}", shape.against),
+        x_label: &format!("{} [{}]", shape.against, shape.unit),
+        y_label: "residual [standard deviations of the noise]",
+        logarithmic: false,
+        curves: vec![
+            curve("declared model", Role::Before, &shape.before),
+            curve("with the effects", Role::After, &shape.after),
+        ],
+    };
+    let name = format!("shape-{}", shape.against.replace(' ', "-"));
+    Figure { name, section: "Shape of the residual", svg: chart.svg(ink) }
+}

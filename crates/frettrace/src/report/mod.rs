@@ -1,0 +1,15 @@
+//! The report of an explanation: one HTML file for a person who decides; works offline, on paper, and in the dark.
+
+pub mod chart;
+mod figures;
+mod page;
+pub mod words;
+
+pub use figures::{Figure, figures};
+pub use page::html;
+
+/// Text as it may stand in HTML or SVG.
+#[must_use]
+pub fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

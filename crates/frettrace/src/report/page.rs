@@ -1,0 +1,183 @@
+//! The page itself.
+
+use super::{chart::Ink, escape, figures, words};
+use crate::results::{BeforeAfter, Estimate, Explanation, Identification, Verdict};
+use std::{collections::BTreeMap, fmt::Write};
+
+/// The report as one HTML page without any outside reference.
+#[must_use]
+pub fn html(title: &str, found: &Explanation) -> String {
+    let mut page = String::new();
+    let sections =
+        [verdict(found), errors(found), pictures(found), evidence(found), parameters(found), notes(found)];
+    // Writing into a string cannot fail.
+    let _ = write!(
+        page,
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n<link rel=\"icon\" href=\"data:,\">\n\
+         <title>{0}</title>\n<style>\n{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n{2}</body>\n</html>\n",
+        escape(title),
+        include_str!("page.css"),
+        sections.concat()
+    );
+    page
+}
+
+fn verdict(found: &Explanation) -> String {
+    let class = match found.verdict {
+        Verdict::NothingMissing => "nothing-missing",
+        Verdict::Explained => "explained",
+        Verdict::Unexplained => "unexplained",
+    };
+    let mut text = format!("<p class=\"verdict {class}\">{}</p>\n", escape(&words::verdict(found)));
+    for experiment in found.effects.iter().filter_map(|effect| effect.separating_experiment.as_deref()) {
+        text += &format!("<p>What would tell the possibilities apart: {}</p>\n", escape(experiment));
+    }
+    text
+}
+
+fn errors(found: &Explanation) -> String {
+    let held_out = found.held_out.as_ref().map(|error| ("runs that nothing was fitted to", error));
+    let rows: String = held_out
+        .into_iter()
+        .chain([("fitted runs", &found.error)])
+        .map(|(name, error)| error_rows(name, error))
+        .collect();
+    format!("<h2>Error before and after</h2>\n<div class=\"scroll\"><table>\n{rows}</table></div>\n")
+}
+
+fn error_rows(name: &str, error: &BeforeAfter) -> String {
+    let largest =
+        [error.before, error.after, error.noise_floor].into_iter().fold(f64::MIN_POSITIVE, f64::max);
+    let row = |what: &str, class: &str, value: f64| {
+        format!(
+            "<tr><td>{}, {what}</td><td>{}</td><td class=\"track\">{}</td></tr>\n",
+            escape(name),
+            words::percent(value),
+            bar(class, value / largest)
+        )
+    };
+    [
+        row("before", "before", error.before),
+        row("after", "after", error.after),
+        row("noise alone", "floor", error.noise_floor),
+    ]
+    .concat()
+}
+
+fn bar(class: &str, share: f64) -> String {
+    let width = 100.0 * if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
+    format!("<span class=\"bar {class}\" style=\"width:{width:.1}%\"></span>")
+}
+
+fn pictures(found: &Explanation) -> String {
+    let mut text = String::new();
+    let mut section = "";
+    for figure in figures(found, Ink::Page) {
+        if figure.section != section {
+            text += if section.is_empty() { "" } else { "</div>\n" };
+            text += &format!("<h2>{}</h2>\n<div class=\"figures\">\n", figure.section);
+            section = figure.section;
+        }
+        text += &figure.svg;
+    }
+    text + if section.is_empty() { "" } else { "</div>\n" }
+}
+
+fn evidence(found: &Explanation) -> String {
+    if found.candidates.is_empty() {
+        return String::new();
+    }
+    let largest =
+        found.candidates.iter().map(|candidate| candidate.evidence).fold(f64::MIN_POSITIVE, f64::max);
+    let rows: String = found
+        .candidates
+        .iter()
+        .map(|candidate| {
+            format!(
+                "<tr><td>{}</td><td class=\"words\">{}</td><td>{}</td><td>{:.1}</td><td class=\"track\">{}</td></tr>\n",
+                escape(&candidate.id),
+                words::meaning(&candidate.id),
+                words::percent(candidate.error),
+                candidate.evidence,
+                bar("after", candidate.evidence / largest)
+            )
+        })
+        .collect();
+    format!(
+        "<h2>Evidence of all candidates</h2>\n<p class=\"faint\">Fall of the Bayesian information criterion when the \
+         candidate joins the declared model; a claim needs at least 10 over the model without it and over every \
+         rival.</p>\n<div class=\"scroll\"><table>\n<tr><th>candidate</th><th></th><th>error with it</th>\
+         <th>evidence</th><th></th></tr>\n{rows}</table></div>\n"
+    )
+}
+
+fn parameters(found: &Explanation) -> String {
+    let mut text = String::new();
+    for effect in &found.effects {
+        text += &estimates(&format!("Effect {}", effect.id), &effect.parameters);
+    }
+    let both = [("declared model", &found.baseline), ("model with the effects", &found.model)];
+    let shown = if found.effects.is_empty() { &both[..1] } else { &both[..] };
+    for (name, model) in shown {
+        text += &estimates(&format!("Law {} of the {name}", model.law), &model.parameters);
+        text += &structure(model);
+    }
+    format!("<h2>Parameters with intervals</h2>\n{text}")
+}
+
+fn structure(model: &Identification) -> String {
+    let modes = model.structure.modes.iter().enumerate();
+    let named: BTreeMap<_, _> = modes
+        .flat_map(|(index, mode)| {
+            let number = index + 1;
+            [
+                (format!("mode {number:2} frequency"), mode.frequency.clone()),
+                (format!("mode {number:2} damping ratio"), mode.damping_ratio.clone()),
+            ]
+        })
+        .collect();
+    estimates("Calibrated modes", &named)
+}
+
+fn estimates(title: &str, parameters: &BTreeMap<String, Estimate>) -> String {
+    if parameters.is_empty() {
+        return String::new();
+    }
+    let rows: String = parameters.iter().map(|(name, estimate)| estimate_row(name, estimate)).collect();
+    format!(
+        "<h3>{}</h3>\n<div class=\"scroll\"><table>\n<tr><th>parameter</th><th>value</th><th>95 % interval</th>\
+         <th>unit</th><th></th></tr>\n{rows}</table></div>\n",
+        escape(title)
+    )
+}
+
+fn estimate_row(name: &str, estimate: &Estimate) -> String {
+    let [low, high] = estimate.interval95;
+    let remark = if estimate.identifiable { "" } else { "not determined by these data" };
+    format!(
+        "<tr><td>{}</td><td>{}</td><td>{} … {}</td><td>{}</td><td>{remark}</td></tr>\n",
+        escape(name),
+        words::number(estimate.value),
+        words::number(low),
+        words::number(high),
+        escape(&estimate.unit)
+    )
+}
+
+fn notes(found: &Explanation) -> String {
+    let items: String = found.notes.iter().map(|note| format!("<li>{}</li>\n", escape(note))).collect();
+    let held_out = found.held_out.as_ref().map_or(String::new(), |error| error.runs.join(", "));
+    format!(
+        "<h2>What this rests on</h2>\n<ul>\n{items}<li>Held-out runs, chosen before anything was fitted: {}</li>\n\
+         <li>Mean friction, preload and a constant offset cannot be seen by accelerometers; nothing is said about \
+         them.</li>\n</ul>\n<footer>frettrace {}, seed {}</footer>\n",
+        escape(if held_out.is_empty() { "none" } else { &held_out }),
+        escape(&found.provenance.version),
+        found.provenance.seed
+    )
+}
+
+#[cfg(test)]
+mod tests;
