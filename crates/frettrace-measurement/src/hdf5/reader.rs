@@ -3,7 +3,6 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use rust_hdf5::format::messages::attribute::AttributeMessage;
 use rust_hdf5::{ByteOrder, DatatypeMessage, H5Dataset, H5File, H5Group, Hdf5Error};
 
 use super::attributes::{AttributeTable, read_attributes};
@@ -91,15 +90,20 @@ impl DataFile {
         self.file.dataset(place.trim_start_matches('/')).is_ok()
     }
 
-    /// Names of the groups in a group, sorted; none where there is no such group.
+    /// Names of the groups in a group, sorted, linked ones included; none where there is no such group.
     pub fn groups(&self, place: &str) -> Vec<String> {
-        self.group(place).and_then(|group| group.group_names().ok()).unwrap_or_default()
+        self.children(place, |group, name| group.group(name).is_ok())
     }
 
     /// Names of the datasets in a group, sorted; none where there is no such group.
     pub fn datasets(&self, place: &str) -> Vec<String> {
-        let mut names = self.group(place).and_then(|group| group.dataset_names().ok()).unwrap_or_default();
-        names.sort();
+        self.children(place, |group, name| group.group(name).is_err())
+    }
+
+    fn children(&self, place: &str, wanted: impl Fn(&H5Group, &str) -> bool) -> Vec<String> {
+        let Some(group) = self.group(place) else { return Vec::new() };
+        let mut names = group.link_names().unwrap_or_default();
+        names.retain(|name| wanted(&group, name));
         names
     }
 
@@ -108,33 +112,29 @@ impl DataFile {
     /// # Errors
     /// [`Error::Damaged`] where the attribute is there and cannot be decoded.
     pub fn attribute(&self, place: &str, name: &str) -> Result<Option<Attribute>, Error> {
-        let group = self.group(place);
-        let path = match &group {
-            Some(group) => group.name().trim_start_matches('/').to_string(),
-            None => place.trim_start_matches('/').to_string(),
+        let found = match self.group(place) {
+            Some(group) => self.group_attribute(&group, name),
+            None => self.dataset_attribute(place, name),
         };
-        let damaged = |reason: String| self.damaged(&format!("{place}, attribute `{name}`"), reason);
-        let Some(entry) = self.attributes.get(&path).and_then(|all| all.iter().find(|a| a.name() == name))
-        else {
+        found.map_err(|reason| self.damaged(&format!("{place}, attribute `{name}`"), reason))
+    }
+
+    fn group_attribute(&self, group: &H5Group, name: &str) -> Result<Option<Attribute>, String> {
+        let all = self.attributes.get(group.name().trim_start_matches('/'));
+        let Some(entry) = all.and_then(|all| all.iter().find(|entry| entry.name() == name)) else {
             return Ok(None);
         };
-        let message = entry.decoded().map_err(|reason| damaged(reason.to_string()))?;
-        if let Some(numbers) = numbers(message) {
-            return Ok(Some(Attribute::Numbers(numbers)));
-        }
-        let text = match group {
-            Some(group) if path.is_empty() => {
-                group.attr_string(name).or_else(|_| self.file.attr_string(name))
-            }
-            Some(group) => group.attr_string(name),
-            None => self.file.dataset(&path).and_then(|d| d.attr(name)).and_then(|a| a.read_string()),
-        };
-        match message.datatype {
-            DatatypeMessage::VarLenString { .. } | DatatypeMessage::FixedString { .. } => {
-                Ok(Some(Attribute::Text(text.map_err(|error| damaged(error.to_string()))?)))
-            }
-            ref other => Err(damaged(format!("datatype {other} is neither a number nor a text"))),
-        }
+        let message = entry.decoded()?;
+        value(&message.datatype, &message.data, || group.attr_string(name)).map(Some)
+    }
+
+    fn dataset_attribute(&self, place: &str, name: &str) -> Result<Option<Attribute>, String> {
+        let attribute =
+            self.file.dataset(place.trim_start_matches('/')).and_then(|dataset| dataset.attr(name));
+        let Ok(attribute) = attribute else { return Ok(None) };
+        let read = |error: Hdf5Error| error.to_string();
+        let (datatype, bytes) = (attribute.datatype().map_err(read)?, attribute.read_raw().map_err(read)?);
+        value(&datatype, &bytes, || attribute.read_string()).map(Some)
     }
 
     /// A numeric dataset, whatever its number type, chunks and compression.
@@ -219,13 +219,24 @@ fn is_other_format(error: &Hdf5Error) -> bool {
         || error.to_string().contains("invalid HDF5 signature")
 }
 
-/// The numbers of an attribute, `None` where it is not of numbers.
-fn numbers(message: &AttributeMessage) -> Option<Vec<f64>> {
-    let kind = match &message.datatype {
-        DatatypeMessage::Enum { base, .. } => base,
-        other => other,
-    };
-    bytes_to_numbers(kind, &message.data)
+/// The value of an attribute; its text, where it is one, comes from the library.
+fn value(
+    datatype: &DatatypeMessage,
+    bytes: &[u8],
+    text: impl FnOnce() -> Result<String, Hdf5Error>,
+) -> Result<Attribute, String> {
+    match datatype {
+        DatatypeMessage::VarLenString { .. } | DatatypeMessage::FixedString { .. } => {
+            text().map(Attribute::Text).map_err(|error| error.to_string())
+        }
+        DatatypeMessage::Enum { base, .. } => numbers(base, bytes),
+        other => numbers(other, bytes),
+    }
+}
+
+fn numbers(datatype: &DatatypeMessage, bytes: &[u8]) -> Result<Attribute, String> {
+    let values = bytes_to_numbers(datatype, bytes).map(Attribute::Numbers);
+    values.ok_or_else(|| format!("datatype {datatype} is neither a number nor a text"))
 }
 
 fn bytes_to_numbers(kind: &DatatypeMessage, bytes: &[u8]) -> Option<Vec<f64>> {
