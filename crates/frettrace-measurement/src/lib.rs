@@ -7,6 +7,7 @@
 mod error;
 mod hdf5;
 mod measurement;
+pub mod quality;
 mod read;
 mod results;
 mod units;

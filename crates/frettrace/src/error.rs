@@ -6,6 +6,17 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyError {
+    /// The file is not what it should be.
+    #[error(transparent)]
+    File(#[from] frettrace_measurement::Error),
+    /// The lines of a run cannot be found.
+    #[error("run {run}: {source}; a longer record would mend it")]
+    Run {
+        /// Name of the run.
+        run: String,
+        /// What is wrong.
+        source: frettrace_fourier::ProjectionError,
+    },
     /// A file cannot be written.
     #[error("{}: cannot be written: {source}; choose a folder that exists and may be written to", path.display())]
     Write {

@@ -4,11 +4,13 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`inspect`] | what a file holds and how good its signals are |
 //! | [`results`] | what `identify` and `explain` find, exactly as their JSON files |
 //! | [`report`] | the findings in words, figures and one HTML page |
 //! | [`store`] | results written beside their place, then renamed |
 
 mod error;
+pub mod inspect;
 mod progress;
 pub mod report;
 pub mod results;

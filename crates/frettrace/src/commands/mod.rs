@@ -1,5 +1,6 @@
 //! The commands, one file each: arguments, one call into the library, the answer.
 
+mod inspect;
 mod plot;
 
 use clap::{Parser, Subcommand};
@@ -21,6 +22,7 @@ pub struct Program {
 
 #[derive(Subcommand, Debug)]
 enum Command {
+    Inspect(inspect::Arguments),
     Plot(plot::Arguments),
 }
 
@@ -28,6 +30,7 @@ enum Command {
 pub fn run(program: Program) -> anyhow::Result<()> {
     let session = Session { json: program.json, progress: Progress::terminal() };
     match &program.command {
+        Command::Inspect(arguments) => inspect::run(arguments, &session),
         Command::Plot(arguments) => plot::run(arguments, &session),
     }
 }
