@@ -1,1 +1,3 @@
 //! Forward problem: harmonic balance and time march of a beam with frictional contacts; knows no measurement.
+
+pub mod accelerations;

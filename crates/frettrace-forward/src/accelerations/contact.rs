@@ -1,0 +1,156 @@
+//! The friction contact over one period: force on the phase grid, and its linearisation through the hysteresis.
+
+use frettrace_friction::Step;
+use frettrace_friction::effects::{Circumstance, Hook, ModifiedLaw, ModifiedState};
+use num_dual::{Derivative, DualSVec64};
+
+/// Motion of the contact on the phase grid, one value a sample.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Motion {
+    pub slip: Vec<f64>,
+    pub velocity: Vec<f64>,
+    pub normal: Vec<f64>,
+}
+
+/// The law in the circumstances of a run.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Contact<'a> {
+    pub law: &'a ModifiedLaw<f64>,
+    /// Duration between two samples of the grid [s].
+    pub dt: f64,
+    pub preload: f64,
+    pub progress: f64,
+    /// Order of the line with which the preload is modulated.
+    pub modulation: usize,
+}
+
+/// States that a law may use, and the motion of a step, as directions of differentiation.
+pub(super) const STATES: usize = 4;
+const MOTIONS: usize = 6;
+/// Law parameters differentiated at once.
+pub(super) const PARAMETERS: usize = 14;
+const WIDTH: usize = STATES + MOTIONS + PARAMETERS;
+type Dual = DualSVec64<WIDTH>;
+
+/// Derivatives of one step: of new states and force by old states, motion `(u₀, u₁, v₀, v₁, N₀, N₁)` and parameters.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Local {
+    pub state: [[f64; WIDTH]; STATES],
+    pub force: [f64; WIDTH],
+}
+
+impl Local {
+    pub const MOTION: usize = STATES;
+    pub const PARAMETER: usize = STATES + MOTIONS;
+}
+
+fn seed(value: f64, direction: usize) -> Dual {
+    let mut dual = Dual::from_re(value);
+    dual.eps = Derivative::derivative_generic(nalgebra::Const::<WIDTH>, nalgebra::U1, direction);
+    dual
+}
+
+fn gradient(dual: &Dual) -> [f64; WIDTH] {
+    dual.eps.0.as_ref().map_or([0.0; WIDTH], |column| std::array::from_fn(|i| column[i]))
+}
+
+impl Contact<'_> {
+    fn circumstance(&self, from: usize, samples: usize) -> Circumstance {
+        let phase = |k: usize| {
+            let (sine, cosine) =
+                (std::f64::consts::TAU * (self.modulation * k % samples) as f64 / samples as f64).sin_cos();
+            [cosine, sine]
+        };
+        let modulated = self.law.get(Hook::ModulationCosine).is_some();
+        Circumstance {
+            preload: self.preload,
+            progress: self.progress,
+            phase: if modulated { [phase(from), phase(from + 1)] } else { [[1.0, 0.0]; 2] },
+        }
+    }
+
+    fn step(&self, motion: &Motion, k: usize) -> Step<f64> {
+        let next = (k + 1) % motion.slip.len();
+        Step {
+            slip: [motion.slip[k], motion.slip[next]],
+            velocity: [motion.velocity[k], motion.velocity[next]],
+            normal: [motion.normal[k], motion.normal[next]],
+            dt: self.dt,
+        }
+    }
+
+    /// The state with which the period starts: from rest along the virgin curve, then periods until it closes.
+    pub fn start(&self, motion: &Motion, force: &mut [f64]) -> ModifiedState<f64> {
+        let samples = motion.slip.len();
+        let virgin = Step {
+            slip: [0.0, motion.slip[0]],
+            velocity: [motion.velocity[0]; 2],
+            normal: [motion.normal[0]; 2],
+            dt: self.dt,
+        };
+        let circumstance = self.circumstance(samples - 1, samples);
+        let (mut state, _) = self.law.advance(self.law.rest_at(0.0), &virgin, &circumstance);
+        let mut before: Option<[f64; STATES]> = None;
+        for _ in 0..12 {
+            let old = state.0;
+            for k in 0..samples {
+                let (next, f) =
+                    self.law.advance(state, &self.step(motion, k), &self.circumstance(k, samples));
+                state = next;
+                force[(k + 1) % samples] = f;
+            }
+            let change: [f64; STATES] = std::array::from_fn(|i| state.0[i] - old[i]);
+            if change.iter().zip(&state.0).all(|(c, s)| c.abs() <= 1e-9 * (1e-12 + s.abs())) {
+                break;
+            }
+            // Slow memory closes geometrically: Aitken's extrapolation.
+            if let Some(last) = before {
+                for i in 0..STATES {
+                    let ratio = change[i] / last[i];
+                    if ratio.is_finite() && ratio.abs() < 0.999 {
+                        state.0[i] += change[i] * ratio / (1.0 - ratio);
+                    }
+                }
+                before = None;
+            } else {
+                before = Some(change);
+            }
+        }
+        state
+    }
+
+    /// Local derivatives of every step of the settled period.
+    pub fn locals(
+        &self,
+        motion: &Motion,
+        start: ModifiedState<f64>,
+        hooks: &[Hook],
+        locals: &mut Vec<Local>,
+    ) {
+        let samples = motion.slip.len();
+        let position = |hook: Hook| hooks.iter().position(|h| *h == hook);
+        let law = self.law.lift(|hook, value| match position(hook) {
+            Some(p) if p < PARAMETERS => seed(value, Local::PARAMETER + p),
+            _ => Dual::from_re(value),
+        });
+        locals.clear();
+        let mut values = start.0;
+        for k in 0..samples {
+            let state = ModifiedState(std::array::from_fn(|i| seed(values[i], i)));
+            let plain = self.step(motion, k);
+            let pair = |at: usize, of: [f64; 2]| [seed(of[0], at), seed(of[1], at + 1)];
+            let step = Step {
+                slip: pair(Local::MOTION, plain.slip),
+                velocity: pair(Local::MOTION + 2, plain.velocity),
+                normal: pair(Local::MOTION + 4, plain.normal),
+                dt: self.dt,
+            };
+            let (next, force) = law.advance(state, &step, &self.circumstance(k, samples));
+            values = next.0.map(|s| s.re);
+            locals.push(Local {
+                state: std::array::from_fn(|i| gradient(&next.0[i])),
+                force: gradient(&force),
+            });
+        }
+    }
+}

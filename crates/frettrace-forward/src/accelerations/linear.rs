@@ -1,0 +1,214 @@
+//! Linearisation of one run: what the laws answer to a change of forces, motions or parameters.
+
+use super::contact::{Local, PARAMETERS, STATES};
+use super::run::{Evaluation, State, store, velocity};
+use super::setting::PortPlace;
+use frettrace_fourier::GridScratch;
+use frettrace_friction::effects::Hook;
+use num_complex::Complex64;
+
+/// One direction: motions of slip, normal force and ports on the grid, and the law parameter that changes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Direction {
+    pub slip: Vec<f64>,
+    pub velocity: Vec<f64>,
+    /// Change of the support's force from the motion of the end.
+    pub support: Vec<f64>,
+    pub ports: Vec<[Vec<f64>; 2]>,
+    /// Index of the hook among those differentiated.
+    pub hook: Option<usize>,
+    /// Port and coefficient that change.
+    pub coefficient: Option<(usize, usize)>,
+}
+
+/// What every step of a period answers to small changes.
+pub(super) struct Tangent<'a> {
+    evaluation: &'a Evaluation<'a>,
+    locals: Vec<Local>,
+    /// `∂f/∂d`, `∂f/∂ḋ` and `∂f/∂c` of every port at every sample.
+    ports: Vec<Vec<super::ports::PortForce>>,
+    used: usize,
+}
+
+impl<'a> Tangent<'a> {
+    pub fn new(evaluation: &'a Evaluation<'a>, state: &'a State, hooks: &[Hook]) -> Self {
+        let mut locals = Vec::with_capacity(evaluation.grid.samples());
+        let law = &evaluation.setting.law;
+        let start = state.start.unwrap_or_else(|| law.rest_at(0.0));
+        evaluation.contact().locals(&state.contact, start, hooks, &mut locals);
+        let ports = (evaluation.setting.ports.iter().zip(&state.ports))
+            .map(|(port, [d, v])| {
+                d.iter().zip(v).map(|(d, v)| port.law.force(&port.coefficients, *d, *v)).collect()
+            })
+            .collect();
+        let used = if law.get(Hook::ForceLag).is_some() {
+            4
+        } else if law.get(Hook::Backlash).is_some() {
+            3
+        } else if law.remembers() {
+            2
+        } else {
+            1
+        };
+        Self { evaluation, locals, ports, used }
+    }
+
+    /// The direction of given lines of motion in every row.
+    pub fn direction(&self, row: impl Fn(usize) -> Vec<Complex64>, scratch: &mut GridScratch) -> Direction {
+        let e = self.evaluation;
+        let mut sampled = |lines: &[Complex64]| {
+            let mut samples = vec![0.0; e.grid.samples()];
+            e.grid.evaluate(lines, &mut samples, scratch);
+            samples
+        };
+        let mut slip = row(0);
+        if let Some(mean) = slip.first_mut() {
+            *mean = Complex64::ZERO;
+        }
+        let speed = velocity(&slip, e.lines.omega);
+        let mut direction =
+            Direction { slip: sampled(&slip), velocity: sampled(&speed), ..Direction::default() };
+        if e.support_stiffness > 0.0 && e.rotation {
+            direction.support = sampled(&row(1));
+            direction.support.iter_mut().for_each(|w| *w *= e.support_stiffness);
+        }
+        for p in 0..e.layout.ports {
+            let lines = row(e.layout.port_row(p));
+            let speed = velocity(&lines, e.lines.omega);
+            direction.ports.push([sampled(&lines), sampled(&speed)]);
+        }
+        direction
+    }
+
+    /// Force harmonics (all ports) that answer to a direction.
+    pub fn answer(&self, direction: &Direction, scratch: &mut GridScratch) -> Vec<f64> {
+        let e = self.evaluation;
+        let width = 2 * e.order() + 1;
+        let mut out = vec![0.0; e.width()];
+        let mut lines = vec![Complex64::ZERO; e.order() + 1];
+        let mut normal = vec![0.0; e.grid.samples()];
+        if !direction.support.is_empty() {
+            normal.iter_mut().zip(&direction.support).for_each(|(n, s)| *n = -s);
+        }
+        for p in 0..e.layout.ports {
+            let force = self.port_answer(p, direction);
+            if e.setting.ports[p].place == PortPlace::Support {
+                normal.iter_mut().zip(&force).for_each(|(n, f)| *n -= f);
+            }
+            e.grid.project(&force, &mut lines, scratch);
+            store(&lines, &mut out[(1 + p) * width..(2 + p) * width]);
+        }
+        let force = self.friction_answer(direction, &normal);
+        e.grid.project(&force, &mut lines, scratch);
+        store(&lines, &mut out[..width]);
+        out
+    }
+
+    fn port_answer(&self, port: usize, direction: &Direction) -> Vec<f64> {
+        let moved = direction.ports.get(port);
+        let changed = direction.coefficient.filter(|(p, _)| *p == port);
+        self.ports[port]
+            .iter()
+            .enumerate()
+            .map(|(k, local)| {
+                let by_motion = moved.map_or(0.0, |[d, v]| local.stiffness * d[k] + local.damping * v[k]);
+                by_motion + changed.map_or(0.0, |(_, c)| local.coefficients[c])
+            })
+            .collect()
+    }
+
+    /// Friction force that answers to a direction, with the state's own period closed.
+    fn friction_answer(&self, direction: &Direction, normal: &[f64]) -> Vec<f64> {
+        let samples = self.locals.len();
+        let moves = !direction.slip.is_empty();
+        let still = vec![0.0; if moves { 0 } else { samples }];
+        let (slip, speed) = if moves { (&direction.slip, &direction.velocity) } else { (&still, &still) };
+        let hook = direction.hook.filter(|h| *h < PARAMETERS).map(|h| Local::PARAMETER + h);
+        let m = self.used;
+        let mut force = vec![0.0; samples];
+        // Column 0 is the direction from a state at rest, the others the period's answer to its initial state.
+        let mut columns = [[0.0; STATES]; STATES + 1];
+        for i in 0..m {
+            columns[1 + i][i] = 1.0;
+        }
+        let mut initial = vec![[0.0; STATES]; samples];
+        for (k, local) in self.locals.iter().enumerate() {
+            let next = if k + 1 == samples { 0 } else { k + 1 };
+            let motion = [slip[k], slip[next], speed[k], speed[next], normal[k], normal[next]];
+            let drive = |gradient: &[f64]| -> f64 {
+                let by_motion: f64 = motion.iter().zip(&gradient[Local::MOTION..]).map(|(a, b)| a * b).sum();
+                by_motion + hook.map_or(0.0, |h| gradient[h])
+            };
+            let flow = |gradient: &[f64], column: &[f64; STATES]| -> f64 {
+                (0..m).map(|i| gradient[i] * column[i]).sum()
+            };
+            force[next] = drive(&local.force) + flow(&local.force, &columns[0]);
+            for i in 0..m {
+                initial[next][i] = flow(&local.force, &columns[1 + i]);
+            }
+            let mut after = [[0.0; STATES]; STATES + 1];
+            for (c, column) in columns.iter().enumerate().take(m + 1) {
+                for i in 0..m {
+                    after[c][i] = flow(&local.state[i], column);
+                }
+            }
+            for i in 0..m {
+                after[0][i] += drive(&local.state[i]);
+            }
+            columns = after;
+        }
+        let start = close(&columns, m);
+        for (f, by_start) in force.iter_mut().zip(&initial) {
+            *f += (0..m).map(|i| by_start[i] * start[i]).sum::<f64>();
+        }
+        force
+    }
+
+    /// Change of the residual `f − Φ(f)` per unknown, column by column.
+    pub fn jacobian(&self, scratch: &mut GridScratch) -> faer::Mat<f64> {
+        let e = self.evaluation;
+        let width = e.width();
+        let per_port = 2 * e.order() + 1;
+        let mut jacobian = faer::Mat::<f64>::identity(width, width);
+        for column in 0..width {
+            let (port, place) = (column / per_port, column % per_port);
+            let (line, unit) = match place {
+                0 => (0, Complex64::ONE),
+                k if k % 2 == 1 => (k.div_ceil(2), Complex64::ONE),
+                k => (k / 2, Complex64::I),
+            };
+            let direction = self.direction(
+                |row| {
+                    let mut lines = vec![Complex64::ZERO; e.order() + 1];
+                    lines[line] = -e.block.at(line, row, 1 + port) * unit;
+                    lines
+                },
+                scratch,
+            );
+            for (row, value) in self.answer(&direction, scratch).into_iter().enumerate() {
+                jacobian[(row, column)] -= value;
+            }
+        }
+        jacobian
+    }
+}
+
+/// `(I − Φ)⁻¹ g` for the period map `Φ`; a state that never forgets stays where it started.
+fn close(columns: &[[f64; STATES]; STATES + 1], m: usize) -> [f64; STATES] {
+    let mut matrix = nalgebra::SMatrix::<f64, STATES, STATES>::identity();
+    let mut right = nalgebra::SVector::<f64, STATES>::zeros();
+    for i in 0..m {
+        right[i] = columns[0][i];
+        for j in 0..m {
+            matrix[(i, j)] -= columns[1 + j][i];
+        }
+        if matrix[(i, i)].abs() < 1e-7 {
+            right[i] = 0.0;
+            for j in 0..m {
+                matrix[(i, j)] = f64::from(u8::from(i == j));
+            }
+        }
+    }
+    let solution = matrix.lu().solve(&right).unwrap_or_default();
+    std::array::from_fn(|i| solution[i])
+}

@@ -1,0 +1,22 @@
+//! Acceleration-level model: structure, friction law, effects and measurement chain in one prediction.
+//!
+//! Every run is one harmonic balance whose only unknowns are the forces in the contacts: with the receptances `R` of the
+//! structure, motions are `d = R_e F_e − R f`, the laws answer `f = Φ(d)`, and the accelerations are
+//! `a = −(hΩ)²(R_se F_e − R_sf f)` on each line `h`. Derivatives by every [`Quantity`] follow from the implicit function
+//! theorem, through the hysteresis: `df = (I − ∂Φ/∂f)⁻¹ ∂Φ/∂p`.
+
+mod balance;
+mod contact;
+mod linear;
+mod model;
+mod ports;
+mod run;
+mod setting;
+mod structure;
+
+pub use model::{
+    AccelerationError, AccelerationModel, ContactHistory, Linearised, Memory, Prediction, RunMemory,
+};
+pub use ports::{COEFFICIENTS, PortForce, PortLaw};
+pub use run::RunLines;
+pub use setting::{Port, PortPlace, Quantity, Rig, SensorSetting, Setting};

@@ -1,0 +1,183 @@
+//! What the model is made of: the declared rig and the values of everything that may be fitted.
+
+use super::ports::{COEFFICIENTS, PortLaw};
+use frettrace_beam::{Boundary, UniformBeam};
+use frettrace_friction::effects::{Hook, ModifiedLaw};
+
+/// The declared rig.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rig {
+    /// The beam.
+    pub beam: UniformBeam,
+    /// Its ends with the friction removed; the support spring is finite.
+    pub boundary: Boundary,
+    /// Position of the exciter [m].
+    pub exciter: f64,
+    /// Positions of the sensors [m].
+    pub sensors: Vec<f64>,
+    /// Lever arm [m] where the contact turns with the end; `None` where it slides with it.
+    pub lever: Option<f64>,
+    /// Position of a second support whose force is known from elsewhere [m].
+    pub known_support: Option<f64>,
+    /// Modes summed; the rest acts through its static flexibility.
+    pub modes: usize,
+}
+
+/// Where a port acts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PortPlace {
+    /// Transverse displacement at a position [m].
+    At(f64),
+    /// The support itself: the transverse displacement of the end, with the contact's normal force.
+    Support,
+    /// A modal coordinate.
+    Mode(usize),
+}
+
+/// A memoryless force on the structure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Port {
+    /// Where it acts.
+    pub place: PortPlace,
+    /// Its law.
+    pub law: PortLaw,
+    /// Coefficients of the law.
+    pub coefficients: [f64; COEFFICIENTS],
+}
+
+/// How a sensor distorts what it measures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SensorSetting {
+    /// Gain.
+    pub gain: f64,
+    /// Delay [s].
+    pub delay: f64,
+    /// Distance from the declared position [m].
+    pub shift: f64,
+    /// Offset [m/s²].
+    pub offset: f64,
+}
+
+impl Default for SensorSetting {
+    fn default() -> Self {
+        Self { gain: 1.0, delay: 0.0, shift: 0.0, offset: 0.0 }
+    }
+}
+
+/// A value of the model that may be fitted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Quantity {
+    /// Natural frequency of a measured mode [rad/s].
+    ModeFrequency(usize),
+    /// Damping ratio of a measured mode.
+    ModeDamping(usize),
+    /// Hook of the friction law.
+    Law(Hook),
+    /// Coefficient of a port.
+    Port(usize, usize),
+    /// Position of a port [m].
+    PortPosition(usize),
+    /// Mass added to the beam [kg].
+    AddedMass,
+    /// Its position [m].
+    MassPosition,
+    /// Rotational compliance of the clamp over that of the beam, `EI/(k_c L)`.
+    ClampCompliance,
+    /// Relative change of all natural frequencies from the first run to the last.
+    Drift,
+    /// Motion of the clamp per excitation force at the same line, real part [m/N].
+    BaseReal,
+    /// The same, imaginary part.
+    BaseImaginary,
+    /// Gain of a sensor.
+    Gain(usize),
+    /// Delay of a sensor [s].
+    Delay(usize),
+    /// Distance of a sensor from its declared position [m].
+    Shift(usize),
+    /// Offset of a sensor [m/s²].
+    Offset(usize),
+}
+
+/// All values of the model.
+#[derive(Clone, Debug)]
+pub struct Setting {
+    /// Natural frequencies of the measured modes [rad/s].
+    pub frequency: Vec<f64>,
+    /// Their damping ratios.
+    pub damping: Vec<f64>,
+    /// The friction law.
+    pub law: ModifiedLaw<f64>,
+    /// Order of the line with which the preload is modulated.
+    pub modulation: usize,
+    /// Memoryless forces on the structure.
+    pub ports: Vec<Port>,
+    /// Added mass [kg] and its position [m].
+    pub mass: Option<[f64; 2]>,
+    /// Rotational compliance of the clamp, `EI/(k_c L)`.
+    pub clamp_compliance: f64,
+    /// Relative change of all natural frequencies from the first run to the last.
+    pub drift: f64,
+    /// Motion of the clamp per excitation force [m/N], real and imaginary part.
+    pub base: Option<[f64; 2]>,
+    /// Sensors.
+    pub sensors: Vec<SensorSetting>,
+}
+
+impl Setting {
+    /// The value of a quantity; `None` where the model does not hold it.
+    #[must_use]
+    pub fn get(&self, quantity: Quantity) -> Option<f64> {
+        let sensor = |k: usize| self.sensors.get(k);
+        match quantity {
+            Quantity::ModeFrequency(n) => self.frequency.get(n).copied(),
+            Quantity::ModeDamping(n) => self.damping.get(n).copied(),
+            Quantity::Law(hook) => self.law.get(hook),
+            Quantity::Port(p, k) => self.ports.get(p).and_then(|port| port.coefficients.get(k).copied()),
+            Quantity::PortPosition(p) => self.ports.get(p).and_then(|port| match port.place {
+                PortPlace::At(position) => Some(position),
+                _ => None,
+            }),
+            Quantity::AddedMass => self.mass.map(|m| m[0]),
+            Quantity::MassPosition => self.mass.map(|m| m[1]),
+            Quantity::ClampCompliance => Some(self.clamp_compliance),
+            Quantity::Drift => Some(self.drift),
+            Quantity::BaseReal => self.base.map(|b| b[0]),
+            Quantity::BaseImaginary => self.base.map(|b| b[1]),
+            Quantity::Gain(k) => sensor(k).map(|s| s.gain),
+            Quantity::Delay(k) => sensor(k).map(|s| s.delay),
+            Quantity::Shift(k) => sensor(k).map(|s| s.shift),
+            Quantity::Offset(k) => sensor(k).map(|s| s.offset),
+        }
+    }
+
+    /// Sets a quantity; one the model does not hold is left alone.
+    pub fn set(&mut self, quantity: Quantity, value: f64) {
+        let place = match quantity {
+            Quantity::Law(hook) => {
+                self.law.set(hook, value);
+                None
+            }
+            Quantity::ModeFrequency(n) => self.frequency.get_mut(n),
+            Quantity::ModeDamping(n) => self.damping.get_mut(n),
+            Quantity::Port(p, k) => self.ports.get_mut(p).and_then(|port| port.coefficients.get_mut(k)),
+            Quantity::PortPosition(p) => self.ports.get_mut(p).and_then(|port| match &mut port.place {
+                PortPlace::At(position) => Some(position),
+                _ => None,
+            }),
+            Quantity::AddedMass => self.mass.as_mut().map(|m| &mut m[0]),
+            Quantity::MassPosition => self.mass.as_mut().map(|m| &mut m[1]),
+            Quantity::ClampCompliance => Some(&mut self.clamp_compliance),
+            Quantity::Drift => Some(&mut self.drift),
+            Quantity::BaseReal => self.base.as_mut().map(|b| &mut b[0]),
+            Quantity::BaseImaginary => self.base.as_mut().map(|b| &mut b[1]),
+            Quantity::Gain(k) => self.sensors.get_mut(k).map(|s| &mut s.gain),
+            Quantity::Delay(k) => self.sensors.get_mut(k).map(|s| &mut s.delay),
+            Quantity::Shift(k) => self.sensors.get_mut(k).map(|s| &mut s.shift),
+            Quantity::Offset(k) => self.sensors.get_mut(k).map(|s| &mut s.offset),
+        };
+        if let Some(place) = place {
+            *place = value;
+        }
+    }
+}

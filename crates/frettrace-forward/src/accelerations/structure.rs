@@ -1,0 +1,328 @@
+//! The structure as receptances between the points the model needs, line by line.
+
+use super::setting::{PortPlace, Quantity, Rig, Setting};
+use frettrace_beam::{BeamError, Boundary, Dof, Element, ModalModel, ModalOptions, Probe};
+use num_complex::Complex64;
+
+/// Functionals of the structure: participation of every mode, and the static residual between any two.
+#[derive(Clone, Debug)]
+pub(super) struct Structure {
+    model: ModalModel,
+    /// `participation[mode·count + functional]`.
+    participation: Vec<f64>,
+    residual: Vec<f64>,
+    count: usize,
+    layout: Layout,
+    mass: Option<f64>,
+    drift: f64,
+    /// Participation of a uniform motion of the clamp in each mode, `∫ρA φ dx`.
+    rigid: Vec<f64>,
+}
+
+/// Which functional is what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Layout {
+    pub sensors: usize,
+    pub ports: usize,
+    pub known: bool,
+    pub mass: bool,
+}
+
+impl Layout {
+    pub const EXCITER: usize = 0;
+    pub const SLIP: usize = 1;
+
+    pub fn port(self, p: usize) -> usize {
+        3 + self.sensors + p
+    }
+
+    pub fn known(self) -> usize {
+        3 + self.sensors + self.ports
+    }
+
+    fn mass(self) -> usize {
+        self.known() + usize::from(self.known)
+    }
+
+    /// Rows of a block: slip, end, sensors, ports.
+    pub fn rows(self) -> usize {
+        2 + self.sensors + self.ports
+    }
+
+    /// Columns of a block: exciter, friction, ports, known force.
+    pub fn columns(self) -> usize {
+        2 + self.ports + usize::from(self.known)
+    }
+
+    /// Row of a sensor.
+    pub fn sensor_row(s: usize) -> usize {
+        2 + s
+    }
+
+    /// Row of a port.
+    pub fn port_row(self, p: usize) -> usize {
+        2 + self.sensors + p
+    }
+}
+
+/// Receptances of one run: `values[(line·rows + row)·columns + column]`.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Block {
+    pub values: Vec<Complex64>,
+    pub rows: usize,
+    pub columns: usize,
+}
+
+impl Block {
+    pub fn at(&self, line: usize, row: usize, column: usize) -> Complex64 {
+        self.values[(line * self.rows + row) * self.columns + column]
+    }
+}
+
+impl Structure {
+    pub fn new(rig: &Rig, setting: &Setting) -> Result<Self, BeamError> {
+        let layout = Layout {
+            sensors: rig.sensors.len(),
+            ports: setting.ports.len(),
+            known: rig.known_support.is_some(),
+            mass: setting.mass.is_some(),
+        };
+        let model = modal_model(rig, setting)?;
+        let (dofs, modal) = functionals(rig, setting);
+        let probe = model.probe(&dofs);
+        let count = dofs.len();
+        let mut scale = vec![1.0; count];
+        scale[Layout::SLIP] = rig.lever.unwrap_or(1.0);
+        let mut participation = vec![0.0; count * model.mode_count()];
+        for mode in 0..model.mode_count() {
+            for f in 0..count {
+                participation[mode * count + f] = match modal[f] {
+                    Some(n) => f64::from(u8::from(n == mode)),
+                    None => probe.shape(mode)[f] * scale[f],
+                };
+            }
+        }
+        let residual = scaled_residual(&probe, &scale, &modal);
+        let rigid = rigid_participation(rig, &model);
+        let mass = setting.mass.map(|m| m[0]);
+        Ok(Self { model, participation, residual, count, layout, mass, drift: setting.drift, rigid })
+    }
+
+    /// Takes over frequencies, damping, mass and drift; the points stay.
+    pub fn retune(&mut self, setting: &Setting) {
+        for (mode, (&frequency, &damping)) in setting.frequency.iter().zip(&setting.damping).enumerate() {
+            self.model.set_mode(mode, frequency, damping);
+        }
+        self.mass = setting.mass.map(|m| m[0]);
+        self.drift = setting.drift;
+    }
+
+    pub fn layout(&self) -> Layout {
+        self.layout
+    }
+
+    fn row_functional(&self, row: usize) -> usize {
+        // Rows are the functionals without the exciter; known force and mass come after them.
+        row + 1
+    }
+
+    fn column_functional(&self, column: usize) -> usize {
+        match column {
+            0 => Layout::EXCITER,
+            1 => Layout::SLIP,
+            c if c < 2 + self.layout.ports => self.layout.port(c - 2),
+            _ => self.layout.known(),
+        }
+    }
+
+    /// Receptances on the lines `0..=order` of `omega` for a run at `progress` between the first and the last.
+    pub fn block(&self, omega: f64, order: usize, progress: f64) -> Block {
+        let Layout { mass, .. } = self.layout;
+        let (rows, columns) = (self.layout.rows(), self.layout.columns());
+        let extra = usize::from(mass);
+        let rows_of: Vec<usize> =
+            (0..rows).map(|r| self.row_functional(r)).chain(mass.then(|| self.layout.mass())).collect();
+        let columns_of: Vec<usize> =
+            (0..columns).map(|c| self.column_functional(c)).chain(mass.then(|| self.layout.mass())).collect();
+        let mut wide = vec![Complex64::ZERO; (rows + extra) * (columns + extra)];
+        let mut values = Vec::with_capacity((order + 1) * rows * columns);
+        // A structure whose frequencies scale by s answers at ω like the nominal one at ω/s, over s².
+        let stretch = 1.0 + self.drift * progress;
+        for line in 0..=order {
+            let at = line as f64 * omega / stretch;
+            self.fill(&mut wide, &rows_of, &columns_of, at);
+            if let Some(mass) = self.mass {
+                add_mass(&mut wide, columns, Element::Mass(mass).dynamic_stiffness(at));
+            }
+            for row in 0..rows {
+                let start = row * (columns + extra);
+                values.extend(wide[start..start + columns].iter().map(|v| v / (stretch * stretch)));
+            }
+        }
+        Block { values, rows, columns }
+    }
+
+    fn fill(&self, wide: &mut [Complex64], rows: &[usize], columns: &[usize], omega: f64) {
+        for (r, &row) in rows.iter().enumerate() {
+            for (c, &column) in columns.iter().enumerate() {
+                wide[r * columns.len() + c] = Complex64::from(self.residual[row * self.count + column]);
+            }
+        }
+        for mode in 0..self.model.mode_count() {
+            let gain = self.model.modal_receptance(mode, omega);
+            let shape = &self.participation[mode * self.count..(mode + 1) * self.count];
+            for (r, &row) in rows.iter().enumerate() {
+                let scaled = gain * shape[row];
+                for (c, &column) in columns.iter().enumerate() {
+                    wide[r * columns.len() + c] += scaled * shape[column];
+                }
+            }
+        }
+    }
+
+    /// Whether the derivative by a mode's values has rank one.
+    pub fn plain(&self) -> bool {
+        self.mass.is_none() && self.drift == 0.0
+    }
+
+    /// Derivative of a block by frequency or damping of one mode (only where [`Self::plain`]).
+    pub fn mode_gradient(&self, mode: usize, damping: bool, omega: f64, order: usize) -> Block {
+        let (rows, columns) = (self.layout.rows(), self.layout.columns());
+        let shape = &self.participation[mode * self.count..(mode + 1) * self.count];
+        let mut values = Vec::with_capacity((order + 1) * rows * columns);
+        for line in 0..=order {
+            let gain = self.model.modal_receptance_gradient(mode, line as f64 * omega)[usize::from(damping)];
+            for row in 0..rows {
+                let scaled = gain * shape[self.row_functional(row)];
+                values.extend((0..columns).map(|c| scaled * shape[self.column_functional(c)]));
+            }
+        }
+        Block { values, rows, columns }
+    }
+
+    /// Motion of every row per unit motion of the clamp: `1 + ω² Σ φ_r ∫ρAφ dx /(…)` for displacements.
+    ///
+    /// Rows of slip by rotation have no rigid part.
+    pub fn transmissibility(&self, omega: f64, order: usize, rotation: bool) -> Vec<Complex64> {
+        let rows = self.layout.rows();
+        let mut out = Vec::with_capacity((order + 1) * rows);
+        for line in 0..=order {
+            let at = line as f64 * omega;
+            for row in 0..rows {
+                let rigid = if row == 0 && rotation { 0.0 } else { 1.0 };
+                let functional = self.row_functional(row);
+                let elastic: Complex64 = (0..self.model.mode_count())
+                    .map(|mode| {
+                        self.model.modal_receptance(mode, at)
+                            * (self.participation[mode * self.count + functional] * self.rigid[mode])
+                    })
+                    .sum();
+                out.push(elastic * (at * at) + rigid);
+            }
+        }
+        out
+    }
+
+    /// Whether a quantity moves points or shapes, so that the structure must be built anew.
+    pub fn rebuilds(quantity: Quantity) -> bool {
+        matches!(
+            quantity,
+            Quantity::PortPosition(_)
+                | Quantity::MassPosition
+                | Quantity::ClampCompliance
+                | Quantity::Shift(_)
+        )
+    }
+}
+
+/// Measured modes on the declared beam; a compliant clamp lowers every mode by the declared beam's own ratio.
+fn modal_model(rig: &Rig, setting: &Setting) -> Result<ModalModel, BeamError> {
+    let build = |boundary: &Boundary, frequency: Vec<f64>| {
+        let options = ModalOptions {
+            modes: rig.modes,
+            natural_frequency: frequency,
+            damping_ratio: setting.damping.clone(),
+            ..ModalOptions::default()
+        };
+        ModalModel::new(&rig.beam, boundary, &options)
+    };
+    if setting.clamp_compliance <= 0.0 {
+        return build(&rig.boundary, setting.frequency.clone());
+    }
+    let flexural = rig.beam.bending_stiffness / rig.beam.length;
+    let soft = Boundary { clamp_rotational_stiffness: flexural / setting.clamp_compliance, ..rig.boundary };
+    let (stiff, loose) = (build(&rig.boundary, Vec::new())?, build(&soft, Vec::new())?);
+    let frequency = setting
+        .frequency
+        .iter()
+        .enumerate()
+        .map(|(n, f)| f * loose.natural_frequency()[n] / stiff.natural_frequency()[n]);
+    build(&soft, frequency.collect())
+}
+
+/// Degrees of freedom of all functionals, and the mode of those that are modal coordinates.
+fn functionals(rig: &Rig, setting: &Setting) -> (Vec<Dof>, Vec<Option<usize>>) {
+    let length = rig.beam.length;
+    let contact = if rig.lever.is_some() { Dof::rotation(length) } else { Dof::displacement(length) };
+    let mut dofs = vec![Dof::displacement(rig.exciter), contact, Dof::displacement(length)];
+    dofs.extend(rig.sensors.iter().zip(&setting.sensors).map(|(x, s)| Dof::displacement(x + s.shift)));
+    let mut modal = vec![None; dofs.len()];
+    for port in &setting.ports {
+        let (dof, mode) = match port.place {
+            PortPlace::At(position) => (Dof::displacement(position), None),
+            PortPlace::Support => (Dof::displacement(length), None),
+            PortPlace::Mode(mode) => (Dof::displacement(length), Some(mode)),
+        };
+        dofs.push(dof);
+        modal.push(mode);
+    }
+    dofs.extend(rig.known_support.map(Dof::displacement));
+    dofs.extend(setting.mass.map(|m| Dof::displacement(m[1])));
+    modal.resize(dofs.len(), None);
+    (dofs, modal)
+}
+
+fn scaled_residual(probe: &Probe, scale: &[f64], modal: &[Option<usize>]) -> Vec<f64> {
+    let count = scale.len();
+    (0..count * count)
+        .map(|k| {
+            let (i, j) = (k / count, k % count);
+            if modal[i].is_some() || modal[j].is_some() {
+                0.0
+            } else {
+                probe.residual()[k] * scale[i] * scale[j]
+            }
+        })
+        .collect()
+}
+
+/// `∫ρA φ_n dx` by Simpson's rule on 2·400 intervals (exact to 1e-8 for the first 40 modes).
+fn rigid_participation(rig: &Rig, model: &ModalModel) -> Vec<f64> {
+    let (count, length) = (800_usize, rig.beam.length);
+    let weight = |k: usize| if k == 0 || k == count { 1.0 } else { 2.0 + 2.0 * (k % 2) as f64 };
+    model
+        .shapes()
+        .iter()
+        .map(|shape| {
+            let sum: f64 = (0..=count)
+                .map(|k| weight(k) * shape.at(Dof::displacement(length * k as f64 / count as f64)))
+                .sum();
+            sum * length / (3.0 * count as f64) * rig.beam.mass_per_length
+        })
+        .collect()
+}
+
+/// `H ← H − h_a Z/(1 + Z H_aa) h_aᵀ` for the attachment in the last row and column.
+fn add_mass(wide: &mut [Complex64], columns: usize, stiffness: Complex64) {
+    let width = columns + 1;
+    let rows = wide.len() / width;
+    let last = (rows - 1) * width;
+    let gain = stiffness / (1.0 + stiffness * wide[last + columns]);
+    for row in 0..rows - 1 {
+        let factor = wide[row * width + columns] * gain;
+        for column in 0..columns {
+            let load = wide[last + column];
+            wide[row * width + column] -= factor * load;
+        }
+    }
+}
