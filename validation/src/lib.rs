@@ -1,1 +1,3 @@
 //! How far to trust frettrace.
+
+pub mod architecture;
