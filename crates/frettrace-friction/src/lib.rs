@@ -4,7 +4,20 @@
 //! marching, the alternating frequency-time method and fitting; derivatives come from dual numbers through the
 //! hysteresis.
 
+pub mod bristle;
+mod catalogue;
 pub mod effects;
+mod error;
 mod law;
+pub mod laws;
+mod lift;
+mod march;
+pub mod parameter;
 
-pub use law::{FrictionLaw, Scalar, Step};
+pub use bristle::{Bristle, Instant, Saturation, Steady};
+pub use catalogue::{FrictionModel, Law, Visitor};
+pub use error::Error;
+pub use law::{FrictionLaw, Scalar, Step, Stroke};
+pub use lift::{lift, positive_part, sign};
+pub use march::{Closed, Closing, Period, close_loop};
+pub use parameter::{Parameter, Range};

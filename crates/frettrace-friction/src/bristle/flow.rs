@@ -1,0 +1,339 @@
+//! One stroke of a bristle: the loading `p = σ0 z sgn(v)` moves towards the friction coefficient μ.
+//!
+//! With the travel `U = σ0 |Δu|` and the fraction `τ` of it, `dp/dτ = U (1 − s(p/μ(τ)))`. μ is known at the start, the
+//! middle and the end in time; between them it is the parabola through the three.
+
+use std::f64::consts::{FRAC_1_PI, PI};
+
+use nalgebra::SVector;
+use num_dual::{Derivative, DualSVec64};
+
+use crate::lift::{lift, sign};
+use crate::{Scalar, Stroke};
+
+/// Friction coefficient and travel along one stroke.
+#[derive(Clone, Copy, Debug)]
+pub struct Friction<T> {
+    /// `σ0 |Δu|`.
+    push: T,
+    /// μ at the start, the middle and the end in time.
+    mu: [T; 3],
+    /// `σ0 |v|` at the same times, multiplied by the duration.
+    pace: [T; 3],
+}
+
+/// Where the middle may lie between start and end: motion whose velocities contradict its slip is kept harmless.
+const MIDDLE: (f64, f64) = (0.1, 0.9);
+/// Relaxation lengths after which a bristle has forgotten: exp(−40) is below the rounding of 1.
+const FORGOTTEN: f64 = 40.0;
+/// Relaxation lengths in one Runge-Kutta step of the partial-slip zone.
+const STRIDE: f64 = 0.1;
+
+impl<T: Scalar> Friction<T> {
+    /// The stroke seen from a bristle of stiffness `sigma0`; `mu` at its start, middle and end.
+    #[inline(always)]
+    pub fn new(sigma0: T, stroke: &Stroke<T>, mu: [T; 3]) -> Self {
+        let stiffness = sigma0 * stroke.direction;
+        let scale = stiffness * stroke.duration;
+        let pace = stroke.velocity.map(|velocity| velocity * scale);
+        Self { push: stiffness * stroke.travel, mu, pace }
+    }
+
+    /// Friction coefficient that does not change along the stroke. For dual numbers this is never said, since equal
+    /// values may have different derivatives.
+    #[inline(always)]
+    fn is_steady(&self) -> bool {
+        T::NDERIV == 0 && self.mu[0].re() == self.mu[2].re() && self.mu[1].re() == self.mu[2].re()
+    }
+
+    /// `∫ σ0 |du| / μ` over the whole stroke and over its first half, by parabolas in time.
+    #[inline(always)]
+    fn relaxation(&self) -> (T, T) {
+        let [f0, f1, f2] = [0, 1, 2].map(|index| self.pace[index] / self.mu[index]);
+        ((f0 + f1 * 4.0 + f2) * (1.0 / 6.0), (f0 * 5.0 + f1 * 8.0 - f2) * (1.0 / 24.0))
+    }
+
+    /// `dp/dX = μ(X) − p`, exact for a parabola μ(X).
+    #[inline(always)]
+    pub fn linear(&self, loading: T) -> T {
+        if self.is_steady() {
+            let mu = self.mu[0];
+            return mu + (loading - mu) * (-self.push / mu).exp();
+        }
+        let (whole, half) = self.relaxation();
+        if whole.re() <= 0.0 {
+            return loading + self.push - loading * whole;
+        }
+        let middle = half / whole;
+        let kappa = middle.re().clamp(MIDDLE.0, MIDDLE.1);
+        let memory = Memory::new(whole.re());
+        let weights = memory.weights(kappa);
+        let [m0, m1, m2] = self.mu.map(|coefficient| coefficient.re());
+        let decay = 1.0 - memory.moments[0];
+        let value = loading.re() * decay + weights[0] * m0 + weights[1] * m1 + weights[2] * m2;
+        if T::NDERIV == 0 {
+            return T::from(value);
+        }
+        let by_whole = memory.slope().weights(kappa);
+        let by_kappa = memory.weights_by_kappa(kappa);
+        let sum = |w: [f64; 3]| w[0] * m0 + w[1] * m1 + w[2] * m2;
+        let partials =
+            [decay, sum(by_whole) - loading.re() * decay, sum(by_kappa), weights[0], weights[1], weights[2]];
+        lift(value, partials, [loading, whole, middle, self.mu[0], self.mu[1], self.mu[2]])
+    }
+
+    /// `dr/dX = sgn(1 − r)|1 − r|^i` in closed form; a changing μ is followed to second order.
+    #[inline(always)]
+    pub fn power(&self, loading: T, exponent: T) -> T {
+        if T::NDERIV == 0 && exponent.re() == 1.0 {
+            return self.linear(loading);
+        }
+        if self.is_steady() {
+            let mu = self.mu[0];
+            return power_flow(loading / mu, self.push / mu, exponent) * mu;
+        }
+        let mean = (self.mu[0] + self.mu[2]) * 0.5;
+        let (whole, _) = self.relaxation();
+        let memory = Memory::new(whole.re().max(f64::MIN_POSITIVE));
+        let lag = lift(memory.follow(), [memory.slope().follow()], [whole]);
+        power_flow(loading / mean, whole, exponent) * mean + (self.mu[2] - self.mu[0]) * lag
+    }
+
+    /// Elastic up to `r = b`, then Runge-Kutta through the partial-slip zone.
+    #[inline(always)]
+    pub fn breakaway(&self, loading: T, breakaway: T) -> T {
+        let parabola = Parabola::new(self.mu, self.middle());
+        let Some(start) = self.breakaway_point(loading, breakaway, &parabola) else {
+            return loading + self.push;
+        };
+        let arguments = [
+            loading + self.push * start,
+            self.push,
+            start,
+            parabola.start,
+            parabola.lean,
+            parabola.bend,
+            breakaway,
+        ];
+        if T::NDERIV == 0 {
+            return T::from(partial_slip(arguments.map(|argument| argument.re())));
+        }
+        let seeds: [DualSVec64<7>; 7] =
+            std::array::from_fn(|index| DualSVec64::from_re(arguments[index].re()).derivative(index));
+        let DualSVec64 { re, eps: Derivative(slopes, ..) } = partial_slip(seeds);
+        let slopes: SVector<f64, 7> = slopes.unwrap_or_else(SVector::zeros);
+        lift(re, std::array::from_fn(|index| slopes[index]), arguments)
+    }
+
+    /// Share of the travel done at half time.
+    #[inline(always)]
+    fn middle(&self) -> T {
+        if self.push.re() == 0.0 {
+            return T::from(0.5);
+        }
+        let middle = (self.pace[0] - self.pace[2]) / self.push * 0.125 + 0.5;
+        if middle.re() > MIDDLE.0 && middle.re() < MIDDLE.1 { middle } else { T::from(0.5) }
+    }
+
+    /// The fraction of travel where `p` reaches `b μ`; `None` where it does not.
+    #[inline(always)]
+    fn breakaway_point(&self, loading: T, breakaway: T, mu: &Parabola<T>) -> Option<T> {
+        if loading.re() >= breakaway.re() * mu.start.re() {
+            return Some(T::from(0.0));
+        }
+        let excess = |tau: f64| loading.re() + self.push.re() * tau - breakaway.re() * mu.real_at(tau);
+        if excess(1.0) <= 0.0 {
+            return None;
+        }
+        let slope = |tau: f64| self.push.re() - breakaway.re() * mu.real_slope_at(tau);
+        let mut tau = excess(0.0) / (excess(0.0) - excess(1.0));
+        for _ in 0..3 {
+            tau = (tau - excess(tau) / slope(tau)).clamp(0.0, 1.0);
+        }
+        let residual = loading + self.push * tau - breakaway * mu.at(T::from(tau));
+        Some(-(residual - residual.re()) / slope(tau) + tau)
+    }
+}
+
+/// `μ(τ) = start + τ (lean + bend (τ − 1))`.
+#[derive(Clone, Copy)]
+struct Parabola<T> {
+    start: T,
+    lean: T,
+    bend: T,
+}
+
+impl<T: Scalar> Parabola<T> {
+    #[inline(always)]
+    fn new(mu: [T; 3], middle: T) -> Self {
+        let lean = mu[2] - mu[0];
+        let bend = (mu[1] - mu[0] - middle * lean) / (middle * (middle - 1.0));
+        Self { start: mu[0], lean, bend }
+    }
+
+    #[inline(always)]
+    fn at(&self, tau: T) -> T {
+        self.start + tau * (self.lean + self.bend * (tau - 1.0))
+    }
+
+    #[inline(always)]
+    fn real_at(&self, tau: f64) -> f64 {
+        self.start.re() + tau * (self.lean.re() + self.bend.re() * (tau - 1.0))
+    }
+
+    #[inline(always)]
+    fn real_slope_at(&self, tau: f64) -> f64 {
+        self.lean.re() + self.bend.re() * (2.0 * tau - 1.0)
+    }
+}
+
+/// Runge-Kutta of order four from the fraction `tau` of the travel to its end, in steps that follow the local rate.
+/// Arguments: `p`, `U`, `τ`, the parabola of μ (start, lean, bend) and `b`.
+fn partial_slip<D: Scalar>(arguments: [D; 7]) -> D {
+    let [mut loading, push, mut tau, start, lean, bend, breakaway] = arguments;
+    let mu = Parabola { start, lean, bend };
+    let rate = |loading: D, tau: D| push * breakaway_share(loading / mu.at(tau), breakaway);
+    let window = FORGOTTEN * mu.at(D::from(1.0)).re() / push.re();
+    if push.re() > 0.0 && 1.0 - tau.re() > window {
+        tau = D::from(1.0 - window);
+        loading = mu.at(tau);
+    }
+    while tau.re() < 1.0 {
+        let stride =
+            stride(push.re(), loading.re() / mu.real_at(tau.re()), breakaway.re()) * mu.real_at(tau.re());
+        let step = if tau.re() + stride < 1.0 { D::from(stride) } else { -tau + 1.0 };
+        let k1 = rate(loading, tau);
+        let k2 = rate(loading + step * k1 * 0.5, tau + step * 0.5);
+        let k3 = rate(loading + step * k2 * 0.5, tau + step * 0.5);
+        let k4 = rate(loading + step * k3, tau + step);
+        loading += step * (k1 + (k2 + k3) * 2.0 + k4) * (1.0 / 6.0);
+        tau = if tau.re() + stride < 1.0 { tau + stride } else { D::from(1.0) };
+    }
+    loading
+}
+
+/// Length of a Runge-Kutta step over μ: [`STRIDE`] divided by a bound of the local slope of `1 − s`.
+#[inline(always)]
+fn stride(push: f64, r: f64, breakaway: f64) -> f64 {
+    let zone = 1.0 - breakaway;
+    let depth = ((1.0 - r) / zone).clamp(0.0, FRAC_1_PI);
+    STRIDE / (push.max(f64::MIN_POSITIVE) * (1.0 + 0.5 * PI * PI * depth / zone))
+}
+
+/// `1 − α(r) r` with `α = cos²(π ρ / 2)`, `ρ = (1 − r)/(1 − b)` clipped to 0 … 1.
+#[inline(always)]
+pub fn breakaway_share<D: Scalar>(r: D, breakaway: D) -> D {
+    let rho = (-r + 1.0) / (-breakaway + 1.0);
+    if rho.re() >= 1.0 {
+        D::from(1.0)
+    } else if rho.re() <= 0.0 {
+        -r + 1.0
+    } else {
+        let cosine = (rho * PI).cos();
+        -(cosine + 1.0) * r * 0.5 + 1.0
+    }
+}
+
+/// `sgn(1 − r)|1 − r|^i`.
+#[inline(always)]
+pub fn power_share<T: Scalar>(r: T, exponent: T) -> T {
+    let (gap, i) = (1.0 - r.re(), exponent.re());
+    if gap == 0.0 {
+        return T::from(0.0);
+    }
+    if T::NDERIV == 0 && i == 1.0 {
+        return -r + 1.0;
+    }
+    let value = gap.abs().powf(i) * sign(gap);
+    lift(value, [-i * value / gap, value * gap.abs().ln()], [r, exponent])
+}
+
+/// `r` after the relaxation `x` by `dr/dx = sgn(1 − r)|1 − r|^i`: the gap shrinks by exp(−ln(1 + ε w)/ε) with
+/// `ε = i − 1`, `w = x |1 − r|^ε`; for `ε < 0` it closes at a finite `x`.
+#[inline(always)]
+fn power_flow<T: Scalar>(r: T, x: T, exponent: T) -> T {
+    let (gap, epsilon) = (1.0 - r.re(), exponent.re() - 1.0);
+    if gap == 0.0 {
+        return if epsilon >= 0.0 { r } else { T::from(1.0) };
+    }
+    let scale = if epsilon == 0.0 { 1.0 } else { gap.abs().powf(epsilon) };
+    let (w, p) = (x.re() * scale, x.re() * scale * epsilon);
+    if p <= -1.0 {
+        return T::from(1.0);
+    }
+    let near = p.abs() < 1e-4;
+    let ell = if near { w * (1.0 - p * (0.5 - p * (1.0 / 3.0 - p * 0.25))) } else { p.ln_1p() / epsilon };
+    let after = gap * (-ell).exp();
+    if T::NDERIV == 0 {
+        return T::from(1.0 - after);
+    }
+    let bracket = if near {
+        w * w * (-0.5 + p * (2.0 / 3.0 - p * (0.75 - p * 0.8)))
+    } else {
+        (p / (1.0 + p) - p.ln_1p()) / (epsilon * epsilon)
+    };
+    let by_exponent = after * (w * gap.abs().ln() / (1.0 + p) + bracket);
+    let pace = after / (1.0 + p);
+    lift(1.0 - after, [pace / gap, pace * scale, by_exponent], [r, x, exponent])
+}
+
+/// What an exponential memory of length `X` makes of the powers 1, s, s²: `∫₀¹ X exp(−X(1 − s)) sᵏ ds`.
+#[derive(Clone, Copy)]
+struct Memory {
+    length: f64,
+    moments: [f64; 3],
+}
+
+impl Memory {
+    /// By recursion, upwards where that is stable, else from the series of the third moment downwards.
+    #[inline(always)]
+    fn new(length: f64) -> Self {
+        let x = length;
+        if x > 0.2 {
+            let zeroth = -(-x).exp_m1();
+            let first = 1.0 - zeroth / x;
+            return Self { length, moments: [zeroth, first, 1.0 - 2.0 * first / x] };
+        }
+        let series = 1.0 / 3.0
+            - x * (1.0 / 12.0
+                - x * (1.0 / 60.0
+                    - x * (1.0 / 360.0 - x * (1.0 / 2520.0 - x * (1.0 / 20160.0 - x / 181440.0)))));
+        let second = x * series;
+        let first = 0.5 * x * (1.0 - second);
+        Self { length, moments: [x * (1.0 - first), first, second] }
+    }
+
+    /// Weights of the values at 0, `kappa`, 1 of the parabola through them.
+    #[inline(always)]
+    fn weights(&self, kappa: f64) -> [f64; 3] {
+        let [zeroth, first, second] = self.moments;
+        [
+            (second - (1.0 + kappa) * first + kappa * zeroth) / kappa,
+            (first - second) / (kappa * (1.0 - kappa)),
+            (second - kappa * first) / (1.0 - kappa),
+        ]
+    }
+
+    /// The derivatives of the moments with the length, in the place of the moments.
+    #[inline(always)]
+    fn slope(&self) -> Self {
+        let [zeroth, first, second] = self.moments;
+        let x = self.length;
+        let moments = [1.0 - zeroth, 1.0 - first * (1.0 + 1.0 / x), 1.0 - second * (1.0 + 2.0 / x)];
+        Self { length: x, moments }
+    }
+
+    /// The derivatives of the weights with `kappa`.
+    #[inline(always)]
+    fn weights_by_kappa(&self, kappa: f64) -> [f64; 3] {
+        let [_, first, second] = self.moments;
+        let (bend, rest) = (first - second, 1.0 - kappa);
+        [bend / (kappa * kappa), bend * (2.0 * kappa - 1.0) / (kappa * rest).powi(2), -bend / (rest * rest)]
+    }
+
+    /// How much of a linear change of the target is followed beyond its mean: `(1 + e^{-X})/2 − (1 − e^{-X})/X`.
+    #[inline(always)]
+    fn follow(&self) -> f64 {
+        self.moments[1] - 0.5 * self.moments[0]
+    }
+}
