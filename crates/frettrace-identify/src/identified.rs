@@ -1,5 +1,5 @@
 use crate::fit::{Fit, FitSettings, Status, stacked};
-use crate::{IdentifyError, Model, NoSolution, profile};
+use crate::{IdentifyError, Model, NoSolution, Parameter, profile};
 use nalgebra::DMatrix;
 
 /// How a fit is judged.
@@ -9,7 +9,7 @@ pub struct IdentifySettings {
     pub fit: FitSettings,
     /// Which parameters get a profile-likelihood interval; empty means all. Others get the linear one.
     pub profiled: Vec<bool>,
-    /// Widest half interval, in the coordinate, that still counts as identified: ln 2 for a logarithm is a factor of 2.
+    /// Widest half interval that still counts as identified, relative to the value: ln 2 is a factor of 2.
     pub widest: f64,
     /// Effective number of independent residuals, where neighbours are correlated; `None`: all are independent.
     pub effective_count: Option<f64>,
@@ -108,6 +108,28 @@ impl Identified {
     #[must_use]
     pub fn parameter(&self, name: &str) -> Option<&IdentifiedParameter> {
         self.parameters.iter().find(|p| p.name == name)
+    }
+
+    /// Widens intervals where a covariance that knows more of the noise is larger than that of the fit.
+    ///
+    /// `covariance` is that of the free coordinates, in their order.
+    pub(crate) fn widen(&mut self, covariance: &DMatrix<f64>, described: &[Parameter]) {
+        let mut k = 0;
+        for (j, parameter) in self.parameters.iter_mut().enumerate() {
+            if parameter.identifiability == Identifiability::Fixed {
+                continue;
+            }
+            let ratio = (covariance[(k, k)] / self.covariance[(j, j)]).sqrt();
+            k += 1;
+            if ratio > 1.0 && ratio.is_finite() {
+                let transform = described[j].transform;
+                let centre = transform.coordinate(parameter.value);
+                let stretch =
+                    |end: f64| transform.value(centre + ratio * (transform.coordinate(end) - centre));
+                parameter.std = parameter.std.map(|std| ratio * std);
+                parameter.interval95 = parameter.interval95.map(|(low, high)| (stretch(low), stretch(high)));
+            }
+        }
     }
 
     /// Bayesian information criterion `χ²·n_eff/n + k ln n_eff` with the effective sample size.
@@ -221,8 +243,7 @@ impl<'a, M: Model> Judged<'a, M> {
                 not("the data do not bound it: other parameters make up for any change"),
             );
         };
-        // Declared parameters are scaled with their own standard deviation: the prior bounds them at all events.
-        if parameter.prior.is_none() && high - low > 2.0 * widest {
+        if high - low > 2.0 * parameter.widest(transform.coordinate(value), widest) {
             return named(None, None, not("the 95 % interval is too wide to call it known"));
         }
         let std = self.covariance[(j, j)].sqrt() * transform.slope(value).abs();

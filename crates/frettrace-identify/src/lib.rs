@@ -4,6 +4,7 @@
 //! places, and [`identify`] turns a [`Fit`] into an [`Identified`]: values, covariance, profile-likelihood intervals,
 //! and for each parameter whether the data can tell it at all.
 
+pub mod contact;
 mod error;
 mod fit;
 mod identified;

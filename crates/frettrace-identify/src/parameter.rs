@@ -117,6 +117,17 @@ impl Parameter {
         (low, self.transform.coordinate(self.bounds.1))
     }
 
+    /// Widest half interval, in the coordinate, of a parameter that counts as known.
+    ///
+    /// `widest` is relative to the value; a prior bounds a parameter at all events.
+    pub(crate) fn widest(&self, coordinate: f64, widest: f64) -> f64 {
+        match (self.prior, self.transform) {
+            (Some(_), _) => f64::INFINITY,
+            (None, Transform::Log) => widest,
+            (None, Transform::Linear { .. }) => widest * coordinate.abs(),
+        }
+    }
+
     /// Whitened residual of the prior and its derivative by the coordinate.
     #[must_use]
     pub fn prior_residual(&self, coordinate: f64) -> Option<(f64, f64)> {

@@ -28,8 +28,8 @@ fn side<M: Model>(judged: &Judged<'_, M>, j: usize, sign: f64) -> Option<f64> {
     let (low, high) = parameter.coordinate_bounds();
     let room = if sign < 0.0 { centre - low } else { high - centre };
     let wanted = QUANTILE.sqrt();
-    let mut distance =
-        (QUANTILE * judged.covariance[(j, j)]).sqrt().min(room).min(2.0 * judged.settings.widest);
+    let widest = parameter.widest(centre, judged.settings.widest);
+    let mut distance = (QUANTILE * judged.covariance[(j, j)]).sqrt().min(room).min(2.0 * widest);
     let mut walker = Walker { judged, j, values: judged.fit.values.clone(), memory: judged.memory.clone() };
     let (mut inside, mut outside): ((f64, f64), Option<(f64, f64)>) = ((0.0, 0.0), None);
     // A secant on an almost linear function needs two or three; eight bracket any other.
@@ -39,7 +39,7 @@ fn side<M: Model>(judged: &Judged<'_, M>, j: usize, sign: f64) -> Option<f64> {
             return Some(centre + sign * distance);
         }
         if height < wanted {
-            if distance >= room || distance > 2.0 * judged.settings.widest && parameter.prior.is_none() {
+            if distance >= room || distance > 2.0 * widest {
                 return None;
             }
             inside = (distance, height);

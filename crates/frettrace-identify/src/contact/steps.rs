@@ -1,0 +1,171 @@
+//! The steps: small loops, sliding, velocity dependence, breakaway and damping, everything.
+
+use super::{ContactFit, ContactHistory, ContactModel, Extras, Family, Guess, StepReport, noise};
+use crate::{FitSettings, IdentifyError, IdentifySettings, Model, fit, fit_from_many, identify, starts};
+
+/// How a law is fitted to histories.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactSettings {
+    /// Starts of the last step.
+    pub starts: usize,
+    /// What is fitted beside the law.
+    pub extras: Extras,
+    /// Settings of the fit.
+    pub fit: FitSettings,
+    /// Whether intervals come from profiles (slower) or from the covariance.
+    pub profiles: bool,
+}
+
+impl Default for ContactSettings {
+    fn default() -> Self {
+        Self { starts: 16, extras: Extras::default(), fit: FitSettings::default(), profiles: true }
+    }
+}
+
+/// Parameters each step frees beside those before it, and whether it uses small, large or all loops.
+const STEPS: [(&str, &[&str], Loops); 4] = [
+    ("stiffness from the lowest levels", &["sigma0"], Loops::Small),
+    ("sliding friction from the highest levels", &["mu_k"], Loops::Large),
+    (
+        "velocity dependence of the friction coefficient",
+        &["sigma0", "mu_k", "mu_s", "v_s", "delta", "sigma2"],
+        Loops::All,
+    ),
+    ("breakaway and presliding damping", &["breakaway", "exponent", "sigma0", "sigma1", "v_d"], Loops::All),
+];
+
+#[derive(Clone, Copy, PartialEq)]
+enum Loops {
+    Small,
+    Large,
+    All,
+}
+
+/// Identifies a law from motion and force of the contact, step by step.
+///
+/// # Errors
+/// [`IdentifyError`] where the histories are empty or the law has no solution on them.
+pub fn identify_contact(
+    family: Family,
+    histories: &[&ContactHistory],
+    settings: &ContactSettings,
+) -> Result<ContactFit, IdentifyError> {
+    let guess = Guess::of(histories);
+    let typical = guess.parameters(family);
+    let mut start = typical.clone();
+    if settings.extras.wanted_mass {
+        start.push(mass_guess(histories));
+    }
+    start.extend(settings.extras.offset.map(|_| 0.0));
+    let mut steps = Vec::new();
+    for (name, freed, loops) in STEPS {
+        let used = chosen(histories, loops);
+        let mut model = ContactModel::new(family, used, &typical, settings.extras);
+        let free = mask(&model, |name| freed.contains(&name));
+        if free.iter().any(|f| *f) {
+            model.set_weights(noise::weights(&model, &start));
+            let found = fit(&model, &start, &FitSettings { free, ..settings.fit.clone() })?;
+            start = found.values;
+            steps.push(report(name, &model, &start, |name| freed.contains(&name)));
+        }
+    }
+    last_step((family, histories, &typical), start, (steps, settings))
+}
+
+/// Everything together from many starts, with weights renewed at the solution, and what may be said of it.
+fn last_step(
+    (family, histories, typical): (Family, &[&ContactHistory], &[f64]),
+    start: Vec<f64>,
+    (mut steps, settings): (Vec<StepReport>, &ContactSettings),
+) -> Result<ContactFit, IdentifyError> {
+    let mut model = ContactModel::new(family, histories.to_vec(), typical, settings.extras);
+    model.set_weights(noise::weights(&model, &start));
+    let spread: Vec<f64> = model.parameters().iter().map(|p| spread(&p.name)).collect();
+    let many =
+        fit_from_many(&model, &starts(model.parameters(), &start, &spread, settings.starts), &settings.fit)?;
+    let agreement = many.agreement();
+    let first = many.best().values.clone();
+    model.set_weights(noise::weights(&model, &first));
+    let best = fit(&model, &first, &settings.fit)?;
+    let profiled = if settings.profiles { Vec::new() } else { vec![false; best.values.len()] };
+    let judge = IdentifySettings {
+        fit: settings.fit.clone(),
+        profiled,
+        effective_count: Some(effective_count(&model, &best.values)),
+        ..IdentifySettings::default()
+    };
+    let mut identified = identify(&model, &best, &judge)?;
+    if let Some(covariance) = noise::covariance(&model, &best.values, &best.free) {
+        identified.widen(&covariance, model.parameters());
+    }
+    steps.push(report("all parameters on all levels", &model, &best.values, |_| true));
+    let error = model.relative_error(&best.values);
+    Ok(ContactFit { family, identified, steps, error, agreement })
+}
+
+fn report(name: &str, model: &ContactModel<'_>, values: &[f64], freed: impl Fn(&str) -> bool) -> StepReport {
+    let parameters = model.parameters().iter().map(|p| p.name.clone()).filter(|n| freed(n)).collect();
+    StepReport { name: name.to_owned(), parameters, error: model.relative_error(values) }
+}
+
+fn mask(model: &ContactModel<'_>, freed: impl Fn(&str) -> bool) -> Vec<bool> {
+    model.parameters().iter().map(|p| freed(&p.name)).collect()
+}
+
+/// The third with the smallest amplitudes, the third with the largest, or all.
+fn chosen<'a>(histories: &[&'a ContactHistory], loops: Loops) -> Vec<&'a ContactHistory> {
+    let mut sorted = histories.to_vec();
+    sorted.sort_by(|a, b| a.amplitude().total_cmp(&b.amplitude()));
+    let share = histories.len().div_ceil(3);
+    match loops {
+        Loops::Small => sorted[..share].to_vec(),
+        Loops::Large => sorted[sorted.len() - share..].to_vec(),
+        Loops::All => histories.to_vec(),
+    }
+}
+
+/// Half-width of the starts in the coordinate: a factor of e for what loops show well, more for velocities.
+fn spread(name: &str) -> f64 {
+    match name {
+        "mu_k" | "mu_s" | "moving_mass" => 0.2,
+        "sigma0" | "exponent" | "delta" => 0.7,
+        "breakaway" => 1.0,
+        "force_offset" => 0.0,
+        _ => 2.0,
+    }
+}
+
+/// Slope of force over acceleration: the mass, when friction is odd in velocity.
+fn mass_guess(histories: &[&ContactHistory]) -> f64 {
+    let (mut product, mut square) = (0.0, 0.0);
+    for history in histories {
+        for (a, f) in history.acceleration.iter().flatten().zip(&history.force) {
+            product += a * f;
+            square += a * a;
+        }
+    }
+    f64::max(product / f64::max(square, f64::MIN_POSITIVE), 1e-6)
+}
+
+/// Independent samples of the residual: `n/(1 + 2Σρ_k)` while the autocorrelation stays positive, run by run.
+fn effective_count(model: &ContactModel<'_>, values: &[f64]) -> f64 {
+    (0..model.histories().len()).map(|index| independent(&model.force_residual(index, values))).sum()
+}
+
+pub(super) fn independent(residual: &[f64]) -> f64 {
+    let n = residual.len();
+    let square: f64 = residual.iter().map(|r| r * r).sum();
+    if square <= 0.0 {
+        return n as f64;
+    }
+    let mut sum = 1.0;
+    for lag in 1..n / 2 {
+        let product: f64 = residual[lag..].iter().zip(residual).map(|(a, b)| a * b).sum();
+        // Below two standard errors of a white residual's autocorrelation there is nothing to add.
+        if product / square < 2.0 / (n as f64).sqrt() {
+            break;
+        }
+        sum += 2.0 * product / square;
+    }
+    (n as f64 / sum).max(4.0)
+}
