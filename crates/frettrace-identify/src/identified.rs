@@ -9,7 +9,8 @@ pub struct IdentifySettings {
     pub fit: FitSettings,
     /// Which parameters get a profile-likelihood interval; empty means all. Others get the linear one.
     pub profiled: Vec<bool>,
-    /// Widest half interval that still counts as identified, relative to the value: ln 2 is a factor of 2.
+    /// Widest half interval that still counts as identified, relative to the value: 0.35 is about a sixth of the
+    /// value as standard deviation.
     pub widest: f64,
     /// Effective number of independent residuals, where neighbours are correlated; `None`: all are independent.
     pub effective_count: Option<f64>,
@@ -17,12 +18,7 @@ pub struct IdentifySettings {
 
 impl Default for IdentifySettings {
     fn default() -> Self {
-        Self {
-            fit: FitSettings::default(),
-            profiled: Vec::new(),
-            widest: std::f64::consts::LN_2,
-            effective_count: None,
-        }
+        Self { fit: FitSettings::default(), profiled: Vec::new(), widest: 0.35, effective_count: None }
     }
 }
 
