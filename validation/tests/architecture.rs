@@ -1,18 +1,16 @@
 //! The map in ARCHITECTURE.md against the manifests.
 
-use std::{collections::BTreeSet, fs};
+use std::collections::BTreeSet;
 use validation::architecture::{between, drawing, edges, written};
 
-fn architecture() -> String {
-    fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../ARCHITECTURE.md")).unwrap()
-}
+const ARCHITECTURE: &str = include_str!("../../ARCHITECTURE.md");
 
 /// The manifests have exactly the edges of the list: a new edge is first written down, with its reason.
 #[test]
 fn edges_are_those_written_down() {
     let (used, _) = edges().unwrap();
     assert_eq!(used.len(), 9, "crates under crates/");
-    assert_eq!(used, written(&architecture()));
+    assert_eq!(used, written(ARCHITECTURE));
 }
 
 /// Tests may use `forward` besides, and nothing else.
@@ -49,5 +47,5 @@ fn forbidden_edges_do_not_exist() {
 #[test]
 fn the_drawing_matches() {
     let expected = format!("\n```mermaid\n{}```\n", drawing(&edges().unwrap().0));
-    assert_eq!(between(&architecture(), "drawing"), expected, "the drawing should be:\n{expected}");
+    assert_eq!(between(ARCHITECTURE, "drawing"), expected, "the drawing should be:\n{expected}");
 }

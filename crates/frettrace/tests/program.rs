@@ -1,0 +1,79 @@
+//! The program as a person or a script meets it: exit codes, one clear line, nothing half-written, silence in a pipe.
+
+use std::process::{Command, Output};
+
+fn frettrace(arguments: &[&str]) -> std::io::Result<Output> {
+    Command::new(env!("CARGO_BIN_EXE_frettrace")).args(arguments).output()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Names of all commands, from the program's own help.
+fn commands() -> std::io::Result<Vec<String>> {
+    let help = text(&frettrace(&["--help"])?.stdout);
+    let listed =
+        help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    Ok(listed
+        .filter(|line| line.starts_with("  ") && !line.starts_with("   "))
+        .filter_map(|line| line.split_whitespace().next())
+        .filter(|name| *name != "help")
+        .map(str::to_owned)
+        .collect())
+}
+
+/// Every command has help with an example that starts with its own name.
+#[test]
+fn every_command_shows_an_example() {
+    let commands = commands().unwrap();
+    assert!(commands.len() >= 2, "{commands:?}");
+    for command in commands {
+        let output = frettrace(&[&command, "--help"]).unwrap();
+        let help = text(&output.stdout);
+        assert_eq!(output.status.code(), Some(0));
+        assert!(
+            help.contains("Example") && help.contains(&format!("  frettrace {command}")),
+            "{command}: {help}"
+        );
+    }
+}
+
+/// Wrong usage ends with 2 and says how it is meant.
+#[test]
+fn wrong_usage_ends_with_two() {
+    for arguments in [&[][..], &["no-such-command"], &["inspect"], &["inspect", "a.h5", "--no-such-option"]] {
+        let output = frettrace(arguments).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(output.stdout.is_empty() && text(&output.stderr).contains("Usage"), "{arguments:?}");
+    }
+}
+
+/// A file that is not there, or is no such file, ends with 1 and one line; nothing reaches standard output.
+#[test]
+fn a_bad_file_is_one_clear_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let bad = folder.path().join("bad.h5");
+    std::fs::write(&bad, "not HDF5").unwrap();
+    for path in [folder.path().join("missing.h5"), bad] {
+        let path = path.display().to_string();
+        let output = frettrace(&["inspect", &path]).unwrap();
+        let error = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{error}");
+        assert!(output.stdout.is_empty());
+        assert_eq!(error.lines().count(), 1, "{error}");
+        assert!(error.starts_with(&format!("frettrace: {path}: ")), "{error}");
+    }
+}
+
+/// A failed command leaves no file, not even beside its place.
+#[test]
+fn a_failed_command_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let (input, output) = (folder.path().join("explain.json"), folder.path().join("figures"));
+    std::fs::write(&input, "{\"verdict\": 3}").unwrap();
+    let done =
+        frettrace(&["plot", &input.display().to_string(), "-o", &output.display().to_string()]).unwrap();
+    assert_eq!(done.status.code(), Some(1));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "only the input is there");
+}
