@@ -1,0 +1,46 @@
+//! A case and its rows.
+
+/// One quantity of a case.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// What is compared.
+    pub quantity: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Where the expected value comes from.
+    pub source: &'static str,
+    /// Expected value.
+    pub expected: f64,
+    /// Found value.
+    pub found: f64,
+    /// Largest difference allowed.
+    pub tolerance: f64,
+    /// Why that much.
+    pub reason: &'static str,
+}
+
+impl Row {
+    /// Whether the difference is allowed; an undefined number never is.
+    #[must_use]
+    pub fn passes(&self) -> bool {
+        (self.found - self.expected).abs() <= self.tolerance
+    }
+}
+
+/// What came of a case.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// It ran.
+    Ran(Vec<Row>),
+    /// It could not run here, and why.
+    Skipped(String),
+}
+
+/// A question with a known answer.
+#[derive(Clone, Copy, Debug)]
+pub struct Case {
+    /// Name of its folder in `cases/`: `verify_…`, `compare_…` or `validate_…`.
+    pub name: &'static str,
+    /// Answers it.
+    pub run: fn() -> anyhow::Result<Outcome>,
+}

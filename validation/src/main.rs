@@ -1,0 +1,39 @@
+//! Runs all cases, writes `REPORT.md`, compares with `baseline.csv`; `--accept` stores what was found.
+#![expect(clippy::print_stdout, reason = "the table is the answer")]
+
+use std::{fs, path::Path, process::ExitCode};
+use validation::{
+    baseline,
+    case::{Outcome, Row},
+    cases, report,
+};
+
+fn main() -> anyhow::Result<ExitCode> {
+    let accept = std::env::args().any(|argument| argument == "--accept");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let (mut results, mut skipped) = (Vec::new(), Vec::new());
+    for case in cases::ALL {
+        match (case.run)()? {
+            Outcome::Ran(rows) => results.push((case.name, rows)),
+            Outcome::Skipped(reason) => skipped.push((case.name, reason)),
+        }
+    }
+    let text = report::markdown(&results, &skipped);
+    print!("{text}");
+    fs::write(folder.join("REPORT.md"), &text)?;
+    if accept {
+        fs::write(folder.join("baseline.csv"), baseline::write(&results))?;
+    }
+    let stored = baseline::read(&fs::read_to_string(folder.join("baseline.csv"))?);
+    Ok(verdict(&results, &baseline::drifts(&stored, &results)))
+}
+
+fn verdict(results: &[(&str, Vec<Row>)], drifts: &[String]) -> ExitCode {
+    for drift in drifts {
+        println!("drift: {drift}");
+    }
+    let failed = results.iter().flat_map(|(_, rows)| rows).filter(|row| !row.passes()).count();
+    let rows = results.iter().map(|(_, rows)| rows.len()).sum::<usize>();
+    println!("\n{rows} quantities, {failed} failed, {} drifted", drifts.len());
+    if failed == 0 && drifts.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
