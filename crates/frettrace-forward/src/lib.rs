@@ -1,3 +1,7 @@
 //! Forward problem: harmonic balance and time march of a beam with frictional contacts; knows no measurement.
 
 pub mod accelerations;
+mod error;
+pub mod march;
+
+pub use error::ForwardError;

@@ -1,0 +1,154 @@
+//! What acts on the structure: one friction contact, local loads, known loads.
+
+use super::structure::Structure;
+
+/// A structure with everything that acts on it.
+#[derive(Clone, Debug)]
+pub struct Assembly<L> {
+    /// The linear structure.
+    pub structure: Structure,
+    /// Ports of the loads known in time, in the order in which their values are given.
+    pub inputs: Vec<usize>,
+    /// The friction contact, where there is one.
+    pub friction: Option<FrictionContact<L>>,
+    /// Local loads without memory.
+    pub loads: Vec<LocalLoad>,
+}
+
+/// A friction contact: the law acts with `−F_t` on the slip's port.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrictionContact<L> {
+    /// The law.
+    pub law: L,
+    /// Port whose motion is the slip.
+    pub slip_port: usize,
+    /// Its normal force.
+    pub normal: Normal,
+}
+
+/// The normal force `N = max(P(t) − k w − k₃ w³, 0)` with the preload `P(t) = N₀ (1 + m cos(ωt + ψ))`.
+///
+/// The structure holds the linear spring `k`. What the contact does beside it, `k₃` and lift-off, acts on the structure
+/// as a further load: see [`Self::deviation`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Normal {
+    /// Preload `N₀` (N).
+    pub preload: f64,
+    /// Port of the displacement `w` under the contact; `None`: the normal force is the preload.
+    pub port: Option<usize>,
+    /// Stiffness of the support spring (N/m), already in the structure.
+    pub stiffness: f64,
+    /// Cubic stiffness (N/m³), not in the structure.
+    pub cubic: f64,
+    /// Whether the contact can open; if not the normal force may turn negative (laws then use 0) and the spring pulls.
+    pub lifts_off: bool,
+    /// Modulation of the preload.
+    pub modulation: Option<Modulation>,
+}
+
+/// A relative modulation `m cos(ωt + ψ)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Modulation {
+    /// Relative size `m`.
+    pub share: f64,
+    /// Angular frequency (rad/s).
+    pub omega: f64,
+    /// Phase (rad).
+    pub phase: f64,
+}
+
+impl Modulation {
+    /// Its value at a time (s).
+    #[must_use]
+    pub fn at(&self, time: f64) -> f64 {
+        self.share * (self.omega * time + self.phase).cos()
+    }
+}
+
+impl Normal {
+    /// A normal force that stays at the preload.
+    #[must_use]
+    pub fn constant(preload: f64) -> Self {
+        Self { preload, port: None, stiffness: 0.0, cubic: 0.0, lifts_off: false, modulation: None }
+    }
+
+    /// Preload at a time (N).
+    #[must_use]
+    pub fn preload_at(&self, time: f64) -> f64 {
+        self.preload * (1.0 + self.modulation.map_or(0.0, |m| m.at(time)))
+    }
+
+    /// Normal force (N) at a displacement.
+    #[must_use]
+    pub fn force(&self, displacement: f64, time: f64) -> f64 {
+        let linear =
+            self.preload_at(time) - self.stiffness * displacement - self.cubic * displacement.powi(3);
+        if self.lifts_off { linear.max(0.0) } else { linear }
+    }
+
+    /// Load on the structure at the normal port beside its linear spring: `N − (P − k w)`.
+    ///
+    /// The modulation of the preload itself is a load of the loading device and reaches the beam through the contact in
+    /// equilibrium with it; only the contact's departure from the linear spring acts on the beam.
+    #[must_use]
+    pub fn deviation(&self, displacement: f64, time: f64) -> f64 {
+        self.force(displacement, time) - (self.preload_at(time) - self.stiffness * displacement)
+    }
+
+    /// Whether there is any deviation.
+    #[must_use]
+    pub fn deviates(&self) -> bool {
+        self.port.is_some() && (self.lifts_off || self.cubic != 0.0)
+    }
+}
+
+/// A load without memory at a port.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LocalLoad {
+    /// The port.
+    pub port: usize,
+    /// The load against the motion.
+    pub characteristic: Characteristic,
+}
+
+/// Load on the structure against displacement and velocity of its port.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Characteristic {
+    /// `−k y` (N/m).
+    Spring(f64),
+    /// `−k₃ y³` (N/m³).
+    CubicSpring(f64),
+    /// `−c ẏ` (N·s/m).
+    Dashpot(f64),
+    /// `−c |ẏ| ẏ` (N·s²/m²).
+    QuadraticDashpot(f64),
+    /// `−k (y − gap)` where `y > gap`, nothing elsewhere (N/m, m).
+    Stop {
+        /// Stiffness (N/m).
+        stiffness: f64,
+        /// Clearance (m); negative where the stop is pressed on at rest.
+        gap: f64,
+    },
+    /// `−(F_c tanh(v/ε))` with its level (N) and regularisation velocity (m/s): smooth Coulomb friction.
+    SmoothCoulomb {
+        /// Level (N).
+        level: f64,
+        /// Velocity at which 76 % of the level is reached (m/s).
+        velocity: f64,
+    },
+}
+
+impl Characteristic {
+    /// Load on the structure.
+    #[must_use]
+    pub fn load(&self, displacement: f64, velocity: f64) -> f64 {
+        match *self {
+            Self::Spring(stiffness) => -stiffness * displacement,
+            Self::CubicSpring(stiffness) => -stiffness * displacement.powi(3),
+            Self::Dashpot(damping) => -damping * velocity,
+            Self::QuadraticDashpot(damping) => -damping * velocity.abs() * velocity,
+            Self::Stop { stiffness, gap } => -stiffness * (displacement - gap).max(0.0),
+            Self::SmoothCoulomb { level, velocity: scale } => -level * (velocity / scale).tanh(),
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! Marching to the steady state.
+
+use frettrace_friction::FrictionLaw;
+
+use super::engine::March;
+
+/// How long and how exactly to settle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SettleOptions {
+    /// Period of the excitation (s).
+    pub period: f64,
+    /// Steps over one period.
+    pub steps_per_period: usize,
+    /// Periods before giving up.
+    pub maximum_periods: usize,
+    /// Change of the modal state over the period, relative to its size, that counts as steady.
+    pub tolerance: f64,
+    /// Largest number of excitation periods after which the motion may repeat.
+    pub largest_multiple: usize,
+}
+
+impl SettleOptions {
+    /// Defaults for a period (s): 2048 steps, 3000 periods, 1e-9, up to six periods.
+    #[must_use]
+    pub fn new(period: f64) -> Self {
+        Self { period, steps_per_period: 2048, maximum_periods: 3000, tolerance: 1e-9, largest_multiple: 6 }
+    }
+}
+
+/// What became of a march.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Settling {
+    /// The motion repeats.
+    Periodic {
+        /// Its period in periods of the excitation: 1 harmonic, more subharmonic.
+        multiple: usize,
+        /// Relative change over it.
+        change: f64,
+        /// Excitation periods marched.
+        periods: usize,
+    },
+    /// It does not, within the periods allowed.
+    NotPeriodic {
+        /// Smallest relative change seen over the last periods.
+        change: f64,
+        /// Excitation periods marched.
+        periods: usize,
+    },
+}
+
+/// Marches until the motion repeats after one or a few periods; `known` fills the input loads at a time (s).
+pub fn settle<L: FrictionLaw<f64>>(
+    march: &mut March<'_, L>,
+    options: &SettleOptions,
+    known: impl Fn(f64, &mut [f64]),
+) -> Settling {
+    march.set_step(options.period / options.steps_per_period as f64);
+    let mut loads = vec![0.0; march.input_count()];
+    let mut history: Vec<Vec<f64>> = Vec::new();
+    let mut change = f64::INFINITY;
+    for periods in 0..=options.maximum_periods {
+        let now = march.energy_coordinates();
+        let size = now.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let distance = |before: &Vec<f64>| {
+            now.iter().zip(before).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt() / size
+        };
+        let changes: Vec<f64> = history.iter().rev().map(distance).collect();
+        change = changes.iter().copied().fold(f64::INFINITY, f64::min);
+        if let Some(multiple) = repeats(&changes, options.tolerance) {
+            return Settling::Periodic { multiple, change, periods };
+        }
+        if history.len() == options.largest_multiple {
+            history.remove(0);
+        }
+        history.push(now);
+        if periods == options.maximum_periods {
+            break;
+        }
+        let start = march.time();
+        for step in 1..=options.steps_per_period {
+            let time = start + options.period * step as f64 / options.steps_per_period as f64;
+            known(time, &mut loads);
+            march.step(&loads);
+            march.set_time(time);
+        }
+    }
+    Settling::NotPeriodic { change, periods: options.maximum_periods }
+}
+
+/// A decaying oscillation of half the excitation's frequency repeats after two periods before it repeats after one: a
+/// longer period counts only where the shorter ones are clearly not on their way.
+const CLEARLY_APART: f64 = 1e3;
+
+/// The number of periods after which the motion repeats, from the changes over one, two, … periods.
+fn repeats(changes: &[f64], tolerance: f64) -> Option<usize> {
+    let back = changes.iter().position(|&change| change <= tolerance)?;
+    changes[..back].iter().all(|&change| change > CLEARLY_APART * tolerance).then_some(back + 1)
+}
