@@ -8,10 +8,12 @@ pub mod bristle;
 mod catalogue;
 pub mod effects;
 mod error;
+pub mod film;
 mod law;
 pub mod laws;
 mod lift;
 mod march;
+pub mod masing;
 pub mod parameter;
 
 pub use bristle::{Bristle, Instant, Saturation, Steady};

@@ -69,35 +69,37 @@ pub struct Parameter {
     pub unit: &'static str,
     /// Allowed values.
     pub range: Range,
+    /// Value of an ordinary contact.
+    pub example: f64,
 }
 
 impl Parameter {
-    pub(crate) const fn new(name: &'static str, unit: &'static str, range: Range) -> Self {
-        Self { name, unit, range }
+    pub(crate) const fn new(name: &'static str, unit: &'static str, range: Range, example: f64) -> Self {
+        Self { name, unit, range, example }
     }
 }
 
 /// Bristle stiffness per newton of normal force.
-pub const SIGMA0: Parameter = Parameter::new("sigma0", "1/m", Range::POSITIVE);
+pub const SIGMA0: Parameter = Parameter::new("sigma0", "1/m", Range::POSITIVE, 5e5);
 /// Presliding damping per newton of normal force.
-pub const SIGMA1: Parameter = Parameter::new("sigma1", "s/m", Range::NOT_NEGATIVE);
+pub const SIGMA1: Parameter = Parameter::new("sigma1", "s/m", Range::NOT_NEGATIVE, 50.0);
 /// Velocity above which presliding damping dies.
-pub const V_D: Parameter = Parameter::new("v_d", "m/s", Range::POSITIVE_OR_INFINITE);
+pub const V_D: Parameter = Parameter::new("v_d", "m/s", Range::POSITIVE_OR_INFINITE, 1e-3);
 /// Viscous damping.
-pub const SIGMA2: Parameter = Parameter::new("sigma2", "N·s/m", Range::NOT_NEGATIVE);
+pub const SIGMA2: Parameter = Parameter::new("sigma2", "N·s/m", Range::NOT_NEGATIVE, 0.5);
 /// Friction coefficient at rest.
-pub const MU_S: Parameter = Parameter::new("mu_s", "1", Range::POSITIVE);
+pub const MU_S: Parameter = Parameter::new("mu_s", "1", Range::POSITIVE, 0.6);
 /// Friction coefficient of fast slip.
-pub const MU_K: Parameter = Parameter::new("mu_k", "1", Range::POSITIVE);
+pub const MU_K: Parameter = Parameter::new("mu_k", "1", Range::POSITIVE, 0.4);
 /// Stribeck velocity.
-pub const V_S: Parameter = Parameter::new("v_s", "m/s", Range::POSITIVE);
+pub const V_S: Parameter = Parameter::new("v_s", "m/s", Range::POSITIVE, 1e-3);
 /// Stribeck exponent.
-pub const DELTA: Parameter = Parameter::new("delta", "1", Range::open(0.0, 20.0));
+pub const DELTA: Parameter = Parameter::new("delta", "1", Range::open(0.0, 20.0), 2.0);
 /// Dahl's exponent.
-pub const EXPONENT: Parameter = Parameter::new("exponent", "1", Range::half_open(0.0, 20.0));
+pub const EXPONENT: Parameter = Parameter::new("exponent", "1", Range::half_open(0.0, 20.0), 1.0);
 /// Elastic share of the steady deflection.
-pub const BREAKAWAY: Parameter = Parameter::new("breakaway", "1", Range::half_open(0.0, 1.0));
+pub const BREAKAWAY: Parameter = Parameter::new("breakaway", "1", Range::half_open(0.0, 1.0), 0.5);
 /// Tangential stiffness of the contact.
-pub const STIFFNESS: Parameter = Parameter::new("tangential_stiffness", "N/m", Range::POSITIVE);
+pub const STIFFNESS: Parameter = Parameter::new("tangential_stiffness", "N/m", Range::POSITIVE, 5e7);
 /// Velocity over which a smooth law turns from one sign to the other.
-pub const V_REF: Parameter = Parameter::new("v_ref", "m/s", Range::POSITIVE);
+pub const V_REF: Parameter = Parameter::new("v_ref", "m/s", Range::POSITIVE, 1e-4);
