@@ -2,6 +2,7 @@
 
 pub mod accelerations;
 mod error;
+pub mod hb;
 pub mod march;
 
 pub use error::ForwardError;

@@ -1,0 +1,82 @@
+//! What sits between channels and forces: contact laws written over any scalar, and where they are connected.
+
+use frettrace_friction::{FrictionLaw, Scalar, Step};
+
+/// Most internal states a law may have.
+pub const STATE_LIMIT: usize = 4;
+
+/// A law from the motion of a contact to one or two forces, one step at a time.
+///
+/// Every [`FrictionLaw`] is one with a single force; a law that also pushes back in the normal direction gives two.
+pub trait ContactLaw<T: Scalar>: Copy {
+    /// Internal state: an array of at most [`STATE_LIMIT`] scalars.
+    type State: Copy + AsRef<[T]> + AsMut<[T]>;
+
+    /// Forces given: 1 (tangential) or 2 (tangential, normal).
+    const FORCES: usize;
+
+    /// The state of an unloaded contact.
+    fn rest(&self) -> Self::State;
+
+    /// From the old sample to the new one: the new state and the forces at the new sample. With one force the second
+    /// is ignored.
+    fn step(&self, state: Self::State, step: &Step<T>) -> (Self::State, [T; 2]);
+}
+
+impl<T: Scalar, L: FrictionLaw<T>> ContactLaw<T> for L {
+    type State = <L as FrictionLaw<T>>::State;
+
+    const FORCES: usize = 1;
+
+    fn rest(&self) -> Self::State {
+        FrictionLaw::rest(self)
+    }
+
+    fn step(&self, state: Self::State, step: &Step<T>) -> (Self::State, [T; 2]) {
+        let (state, force) = FrictionLaw::step(self, state, step);
+        (state, [force, T::zero()])
+    }
+}
+
+/// A law with its free parameters, over whichever scalar the solver asks for.
+pub trait Family: Sync {
+    /// The law over the scalar `T`.
+    type Law<T: Scalar>: ContactLaw<T>;
+
+    /// Values of the free parameters: those whose tangents are wanted, at most a few dozen; may be empty.
+    fn parameters(&self) -> &[f64];
+
+    /// The law with these parameters (as many as [`Self::parameters`] has).
+    fn law<T: Scalar>(&self, parameters: &[T]) -> Self::Law<T>;
+}
+
+/// Where the normal force of a contact comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Normal {
+    /// Constant [N].
+    Constant(f64),
+    /// A channel: the normal force itself [N], or whatever the law takes for it (a gap [m]).
+    Channel(usize),
+}
+
+/// A contact law connected to the structure.
+#[derive(Clone, Copy)]
+pub struct Contact<'a> {
+    /// Channel whose motion is the slip.
+    pub slip: usize,
+    /// Where the normal force comes from.
+    pub normal: Normal,
+    /// Force that the law's first output adds to.
+    pub force: usize,
+    /// Force that the law's second output adds to; `None` drops it.
+    pub normal_force: Option<usize>,
+    /// The law.
+    pub element: &'a dyn super::Element,
+}
+
+impl Contact<'_> {
+    pub(super) fn outputs(&self) -> [Option<usize>; 2] {
+        let second = if self.element.forces() > 1 { self.normal_force } else { None };
+        [Some(self.force), second]
+    }
+}

@@ -1,0 +1,31 @@
+//! Harmonic balance of a structure with a few contacts; the unknowns are the contacts' own harmonics.
+//!
+//! # Specified, unknown, equations
+//! | specified | unknown | equations |
+//! |---|---|---|
+//! | receptances `G_cd[h]`, free motion `x̂0_c[h]`, laws | contact forces `f̂_d[h]`, `2H + 1` reals each | `f̂ = F(x̂0 − G f̂)` |
+//!
+//! `F` takes the motion to samples, through the laws, and the forces back to harmonics (alternating frequency-time).
+//! The states of the laws are periodic to rounding, whether they fade or not, and the Jacobian is the exact one of the
+//! sampled balance: partials of each step from dual numbers, chained through the period.
+
+mod chain;
+mod contact;
+mod dense;
+mod element;
+mod lines;
+mod newton;
+mod period;
+mod solver;
+mod system;
+mod tangent;
+#[cfg(test)]
+mod tests;
+
+pub use contact::{Contact, ContactLaw, Family, Normal, STATE_LIMIT};
+pub use element::{Element, Motion, Orbit, Partials};
+pub use lines::Lines;
+pub use newton::Status;
+pub use solver::{Settings, Solution, Solver};
+pub use system::Problem;
+pub use tangent::Tangents;
