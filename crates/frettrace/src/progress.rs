@@ -42,6 +42,11 @@ impl Progress {
         self.bar.println(line);
     }
 
+    /// Does what must not be painted over by the bar.
+    pub fn suspend<T>(&self, act: impl FnOnce() -> T) -> T {
+        self.bar.suspend(act)
+    }
+
     /// All is done; the bar disappears.
     pub fn finish(&self) {
         self.bar.finish_and_clear();

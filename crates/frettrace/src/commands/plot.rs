@@ -3,7 +3,7 @@
 use super::Session;
 use clap::Args;
 use frettrace::{
-    report::{chart::Ink, figures},
+    report::{chart::Ink, figures, html},
     results::Explanation,
     store,
 };
@@ -21,6 +21,9 @@ pub struct Arguments {
     /// Folder for the figures; made where it is missing
     #[arg(short, long)]
     output: PathBuf,
+    /// The report besides, as `explain --report` writes it
+    #[arg(long)]
+    report: Option<PathBuf>,
 }
 
 #[derive(Serialize)]
@@ -36,6 +39,11 @@ pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
         let path = arguments.output.join(figure.name).with_extension("svg");
         store::write_text(&path, &figure.svg)?;
         files.push(path);
+    }
+    if let Some(path) = &arguments.report {
+        let title = arguments.result.display().to_string();
+        store::write_text(path, &html(&title, &found))?;
+        files.push(path.clone());
     }
     let text: Vec<_> = files.iter().map(|path| path.display().to_string()).collect();
     session.answer(&Answer { files }, &text.join("\n"))

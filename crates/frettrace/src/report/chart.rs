@@ -80,7 +80,7 @@ pub struct Chart<'a> {
     pub curves: Vec<Curve<'a>>,
 }
 
-const SIZE: (u32, u32) = (640, 400);
+const SIZE: (u32, u32) = (560, 380);
 
 impl Chart<'_> {
     /// The chart as one SVG element.
@@ -105,9 +105,12 @@ impl Chart<'_> {
             .margin(10)
             .x_label_area_size(42)
             .y_label_area_size(72)
-            .build_cartesian_2d(x, y)?;
+            .build_cartesian_2d(x.clone(), y.clone())?;
+        let place = emptiest(&shown, &x, &y);
+        let [across, up] = [&x, &y].map(|range| range.end - range.start);
+        let plain_x = |value: &f64| short(*value, across);
+        let plain_y = |value: &f64| short(*value, up);
         let power = |exponent: &f64| format!("{:.1e}", 10_f64.powf(*exponent));
-        let plain = |value: &f64| short(*value);
         chart
             .configure_mesh()
             .x_labels(6)
@@ -116,8 +119,8 @@ impl Chart<'_> {
             .bold_line_style(GRID)
             .axis_style(TEXT)
             .label_style(("sans-serif", 13).into_font().color(&TEXT))
-            .x_label_formatter(&plain)
-            .y_label_formatter(if self.logarithmic { &power } else { &plain })
+            .x_label_formatter(&plain_x)
+            .y_label_formatter(if self.logarithmic { &power } else { &plain_y })
             .x_desc(self.x_label)
             .y_desc(self.y_label)
             .draw()?;
@@ -131,6 +134,7 @@ impl Chart<'_> {
         }
         chart
             .configure_series_labels()
+            .position(place)
             .label_font(("sans-serif", 13).into_font().color(&TEXT))
             .background_style(PAPER)
             .border_style(GRID)
@@ -168,9 +172,33 @@ fn range(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
     low - margin..high + margin
 }
 
-/// A number with few digits, for an axis.
-fn short(value: f64) -> String {
-    if value == 0.0 {
+/// The ninth of the plot with the fewest points in it: there the legend hides least.
+fn emptiest(
+    shown: &[Vec<(f64, f64)>],
+    x: &std::ops::Range<f64>,
+    y: &std::ops::Range<f64>,
+) -> SeriesLabelPosition {
+    use SeriesLabelPosition as At;
+    let places = [
+        [At::LowerRight, At::MiddleRight, At::UpperRight],
+        [At::LowerLeft, At::MiddleLeft, At::UpperLeft],
+        [At::LowerMiddle, At::MiddleMiddle, At::UpperMiddle],
+    ];
+    let third = |value: f64, range: &std::ops::Range<f64>| {
+        (3.0 * (value - range.start) / (range.end - range.start)).clamp(0.0, 2.0) as usize
+    };
+    let mut counts = [[0_usize; 3]; 3];
+    for (across, up) in shown.iter().flatten().filter(|(x, y)| x.is_finite() && y.is_finite()) {
+        let column = [1, 2, 0][third(*across, x)];
+        counts[column][third(*up, y)] += 1;
+    }
+    let all = places.into_iter().flatten().zip(counts.into_iter().flatten());
+    all.min_by_key(|(_, count)| *count).map_or(At::UpperRight, |(place, _)| place)
+}
+
+/// A number with few digits, for an axis that spans `span`.
+fn short(value: f64, span: f64) -> String {
+    if value.abs() < 1e-9 * span {
         "0".into()
     } else if (1e-3..1e5).contains(&value.abs()) {
         format!("{:.4}", value).trim_end_matches('0').trim_end_matches('.').to_owned()

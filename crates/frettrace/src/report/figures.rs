@@ -29,7 +29,13 @@ fn title(what: &str, run: &str, label: &str, held_out: bool) -> String {
     format!("{what}, run {run}{label}{}", if held_out { " (held out)" } else { "" })
 }
 
+/// The first point again at the end: a loop is closed.
+fn closed(values: &[f64]) -> Vec<f64> {
+    values.iter().chain(values.first()).copied().collect()
+}
+
 fn contact_loop(run: &ContactLoop, ink: Ink) -> Vec<Figure> {
+    let [measured, before, after] = [&run.measured, &run.before, &run.after].map(|force| closed(force));
     let draw = |name: &str, x: &[f64], x_label: &str| {
         let curve = |name, role, y| Curve { name, role, x, y };
         let chart = Chart {
@@ -38,16 +44,20 @@ fn contact_loop(run: &ContactLoop, ink: Ink) -> Vec<Figure> {
             y_label: "friction force [N]",
             logarithmic: false,
             curves: vec![
-                curve("measured", Role::Measured, &run.measured),
-                curve("declared model", Role::Before, &run.before),
-                curve("with the effects", Role::After, &run.after),
+                curve("measured", Role::Measured, &measured),
+                curve("declared model", Role::Before, &before),
+                curve("with the effects", Role::After, &after),
             ],
         };
         Figure { name: format!("{name}-{}", run.run), section: "Friction loops", svg: chart.svg(ink) }
     };
-    let mut drawn = vec![draw("loop", &run.slip, &format!("slip [{}]", run.slip_unit))];
+    let mut drawn = vec![draw("loop", &closed(&run.slip), &format!("slip [{}]", run.slip_unit))];
     if !run.slip_velocity.is_empty() {
-        drawn.push(draw("velocity", &run.slip_velocity, &format!("slip velocity [{}/s]", run.slip_unit)));
+        drawn.push(draw(
+            "velocity",
+            &closed(&run.slip_velocity),
+            &format!("slip velocity [{}/s]", run.slip_unit),
+        ));
     }
     drawn
 }
