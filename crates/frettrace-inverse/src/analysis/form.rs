@@ -1,0 +1,119 @@
+//! Evidence for subharmonics.
+
+use frettrace_fourier::{Frequency, spectrum};
+use num_complex::Complex64;
+use std::f64::consts::{LN_2, TAU};
+
+/// Highest subharmonic order that is looked for.
+const HIGHEST_ORDER: usize = 8;
+/// Multiples of the excitation frequency up to which subharmonic lines are looked for: the lowest ones carry the evidence.
+const MULTIPLES: usize = 4;
+/// Excess of the residual's variance over the noise below which nothing is looked for: five standard deviations of the
+/// variance of a thousand samples.
+const LOWEST_EXCESS: f64 = 0.2;
+
+/// Search for lines between the multiples of the excitation frequency in what the harmonic form leaves.
+pub(super) struct Subharmonics<'a> {
+    pub(super) base: Frequency,
+    pub(super) sampling_rate: f64,
+    pub(super) noise_std: &'a [f64],
+}
+
+impl Subharmonics<'_> {
+    /// The order `ν ≥ 2` of greatest evidence, if there is evidence; when `forced`, the best in any case.
+    ///
+    /// Evidence is the difference of the Bayesian information criterion, `Σ_c n ln(σ_1²/σ_ν²) − p ln n` with the `p` real
+    /// unknowns of the lines between the harmonics.
+    pub(super) fn best(&self, residuals: &[&[f64]], forced: bool) -> Option<usize> {
+        let raised = residuals
+            .iter()
+            .zip(self.noise_std)
+            .any(|(r, noise)| mean_square(r) > (1.0 + LOWEST_EXCESS) * noise * noise);
+        if !raised && !forced {
+            return None;
+        }
+        (2..=HIGHEST_ORDER)
+            .map(|order| (order, self.evidence(residuals, order)))
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .filter(|(_, evidence)| forced || *evidence > 10.0)
+            .map(|(order, _)| order)
+    }
+
+    fn evidence(&self, residuals: &[&[f64]], order: usize) -> f64 {
+        let step = self.base.base / order as f64 / self.sampling_rate;
+        let band = (std::f64::consts::PI / step) as usize;
+        let lines: Vec<usize> =
+            (1..(MULTIPLES * order).min(band)).filter(|line| !line.is_multiple_of(order)).collect();
+        residuals
+            .iter()
+            .map(|residual| {
+                let n = residual.len() as f64;
+                let power = mean_square(residual);
+                let held: f64 = lines.iter().map(|line| line_power(residual, step * *line as f64)).sum();
+                let left = (power - held).max(1e-6 * power);
+                n * (power / left).ln() - 2.0 * lines.len() as f64 * n.ln()
+            })
+            .sum()
+    }
+}
+
+/// Mean square held by one line: `2|Σ x_j e^{−iφj}|²/n²`.
+fn line_power(x: &[f64], step: f64) -> f64 {
+    let turn = Complex64::cis(-step.rem_euclid(TAU));
+    // Horner's scheme from the last sample: one product a sample.
+    let sum = x.iter().rev().fold(Complex64::ZERO, |sum, value| sum * turn + value);
+    2.0 * sum.norm_sqr() / (x.len() as f64).powi(2)
+}
+
+fn mean_square(x: &[f64]) -> f64 {
+    x.iter().map(|v| v * v).sum::<f64>() / x.len().max(1) as f64
+}
+
+/// Standard deviation of white noise with the median of the record's periodogram: `median = σ² ln 2`.
+pub(super) fn floor(x: &[f64]) -> f64 {
+    let mut power: Vec<f64> = spectrum(x).iter().skip(1).map(|z| z.norm_sqr() / x.len() as f64).collect();
+    let middle = power.len() / 2;
+    if power.is_empty() {
+        return 0.0;
+    }
+    let (_, median, _) = power.select_nth_unstable_by(middle, f64::total_cmp);
+    (*median / LN_2).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::Distribution;
+
+    fn noise(seed: u64, n: usize) -> Vec<f64> {
+        let mut random = rand_pcg::Pcg64::seed_from_u64(seed);
+        let normal = rand_distr::Normal::new(0.0, 1.0).unwrap();
+        (0..n).map(|_| normal.sample(&mut random)).collect()
+    }
+
+    fn search(noise_std: &[f64]) -> Subharmonics<'_> {
+        Subharmonics { base: Frequency { base: TAU * 50.0, std: 0.0 }, sampling_rate: 4096.0, noise_std }
+    }
+
+    /// The floor of white noise is its standard deviation; the median of 2048 values scatters by 1/√2048·√2/2 ≈ 3 %.
+    #[test]
+    fn floor_of_white_noise() {
+        assert!((floor(&noise(1, 4096)) - 1.0).abs() < 0.06);
+    }
+
+    /// Noise alone, even when it is stronger than declared, shows no subharmonics; a line at half the frequency does.
+    #[test]
+    fn subharmonics_need_evidence() {
+        let plain = noise(2, 4096);
+        assert_eq!(search(&[0.5]).best(&[&plain], false), None);
+        for order in [2, 3] {
+            let with: Vec<f64> = plain
+                .iter()
+                .enumerate()
+                .map(|(j, v)| v + (TAU * 50.0 / f64::from(order) * j as f64 / 4096.0).cos())
+                .collect();
+            assert_eq!(search(&[1.0]).best(&[&with], false), Some(order as usize));
+        }
+    }
+}

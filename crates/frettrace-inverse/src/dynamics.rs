@@ -1,0 +1,160 @@
+//! Receptances of a rig, line by line: from every load that acts to every motion that is wanted.
+
+use crate::{Rig, Slip};
+use frettrace_beam::{Dof, Freedom, ModalModel};
+use num_complex::Complex64;
+
+/// A load on the beam.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Load {
+    /// The excitation force [N].
+    Exciter,
+    /// The friction force [N]; it resists positive slip.
+    Friction,
+    /// Deviation of the normal reaction from its linear spring [N], positive towards positive `w`.
+    NormalDeviation,
+    /// Transverse force of the second support on the beam [N].
+    SecondSupport,
+}
+
+impl Load {
+    /// All loads, in the order of the columns.
+    pub const ALL: [Self; 4] = [Self::Exciter, Self::Friction, Self::NormalDeviation, Self::SecondSupport];
+
+    fn column(self) -> usize {
+        match self {
+            Self::Exciter => 0,
+            Self::Friction => 1,
+            Self::NormalDeviation => 2,
+            Self::SecondSupport => 3,
+        }
+    }
+}
+
+const COLUMNS: usize = 4;
+
+/// Shapes and residual flexibilities between the loads and the outputs (sensors, slip, displacement of the end).
+///
+/// Frequencies and damping are read from the structure at evaluation, so one value serves a whole calibration.
+#[derive(Clone, Debug)]
+pub struct Dynamics {
+    sensors: usize,
+    modes: usize,
+    /// Shapes at the outputs, one row of `S + 2` a mode.
+    output: Vec<f64>,
+    /// Shapes at the loads, one row of four a mode.
+    input: Vec<f64>,
+    /// Residual flexibility, `S + 2` rows of four.
+    residual: Vec<f64>,
+}
+
+/// Receptances of one line.
+#[derive(Clone, Debug, Default)]
+pub struct LineReceptances {
+    omega: f64,
+    sensors: usize,
+    gains: Vec<Complex64>,
+    matrix: Vec<Complex64>,
+}
+
+impl LineReceptances {
+    /// Angular frequency [rad/s].
+    #[must_use]
+    pub fn omega(&self) -> f64 {
+        self.omega
+    }
+
+    /// Accelerance from a load to a sensor [m/s² per N].
+    #[must_use]
+    pub fn acceleration(&self, sensor: usize, load: Load) -> Complex64 {
+        self.matrix[sensor * COLUMNS + load.column()] * -(self.omega * self.omega)
+    }
+
+    /// Slip per load [m/N].
+    #[must_use]
+    pub fn slip(&self, load: Load) -> Complex64 {
+        self.matrix[self.sensors * COLUMNS + load.column()]
+    }
+
+    /// Transverse displacement of the end per load [m/N].
+    #[must_use]
+    pub fn end(&self, load: Load) -> Complex64 {
+        self.matrix[(self.sensors + 1) * COLUMNS + load.column()]
+    }
+}
+
+impl Dynamics {
+    /// Shapes of the rig's structure at its points.
+    #[must_use]
+    pub fn new(rig: &Rig) -> Self {
+        let end = rig.structure.beam().length;
+        let (slip, lever) = match rig.slip {
+            Slip::Rotation { lever_arm } => (Dof { position: end, freedom: Freedom::Rotation }, lever_arm),
+            Slip::Transverse => (Dof { position: end, freedom: Freedom::Displacement }, 1.0),
+        };
+        let transverse = |position| (Dof { position, freedom: Freedom::Displacement }, 1.0);
+        let mut outputs: Vec<(Dof, f64)> = rig.sensors.iter().map(|s| transverse(s.position)).collect();
+        outputs.extend([(slip, lever), transverse(end)]);
+        let second = rig.second_support.map_or((transverse(end).0, 0.0), transverse);
+        let inputs = [transverse(rig.exciter), (slip, -lever), transverse(end), second];
+        let model = &rig.structure;
+        let at = |points: &[(Dof, f64)]| -> Vec<f64> {
+            model.shapes().iter().flat_map(|shape| points.iter().map(|(dof, c)| c * shape.at(*dof))).collect()
+        };
+        let residual = outputs
+            .iter()
+            .flat_map(|(o, c)| inputs.iter().map(move |(i, d)| c * d * model.residual(*o, *i)))
+            .collect();
+        Self {
+            sensors: rig.sensors.len(),
+            modes: model.mode_count(),
+            output: at(&outputs),
+            input: at(&inputs),
+            residual,
+        }
+    }
+
+    /// Number of sensors.
+    #[must_use]
+    pub fn sensors(&self) -> usize {
+        self.sensors
+    }
+
+    /// Shape of a mode at a sensor.
+    #[must_use]
+    pub fn sensor_shape(&self, mode: usize, sensor: usize) -> f64 {
+        self.output[mode * (self.sensors + 2) + sensor]
+    }
+
+    /// Shape of a mode at the slip, and at the end.
+    #[must_use]
+    pub fn contact_shape(&self, mode: usize) -> [f64; 2] {
+        let row = &self.output[mode * (self.sensors + 2)..(mode + 1) * (self.sensors + 2)];
+        [row[self.sensors], row[self.sensors + 1]]
+    }
+
+    /// Generalised force of a mode per unit load.
+    #[must_use]
+    pub fn load_shape(&self, mode: usize, load: Load) -> f64 {
+        self.input[mode * COLUMNS + load.column()]
+    }
+
+    /// Fills `line` with the receptances at `omega` [rad/s].
+    pub fn fill(&self, structure: &ModalModel, omega: f64, line: &mut LineReceptances) {
+        let outputs = self.sensors + 2;
+        line.omega = omega;
+        line.sensors = self.sensors;
+        line.gains.clear();
+        line.gains.extend((0..self.modes).map(|n| structure.modal_receptance(n, omega)));
+        line.matrix.clear();
+        line.matrix.extend(self.residual.iter().map(|r| Complex64::new(*r, 0.0)));
+        for (mode, gain) in line.gains.iter().enumerate() {
+            let input = &self.input[mode * COLUMNS..(mode + 1) * COLUMNS];
+            let output = &self.output[mode * outputs..(mode + 1) * outputs];
+            for (row, shape) in line.matrix.chunks_exact_mut(COLUMNS).zip(output) {
+                let scaled = gain * *shape;
+                row.iter_mut().zip(input).for_each(|(entry, load)| *entry += scaled * *load);
+            }
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! The whole inverse: runs in, contact forces out.
+
+mod check;
+mod series;
+
+pub use series::Channel;
+
+use crate::analysis::{Form, RunLines, analyse};
+use crate::calibration::{CalibratedStructure, Equations, calibrate};
+use crate::contact::{BalanceResidual, ContactHarmonics, RunBalance, Setting};
+use crate::dynamics::{Dynamics, Load};
+use crate::{InverseError, Options, Rig, RunData, Slip};
+use rayon::prelude::*;
+
+/// Excess of the balance residual over its expectation from which a further unknown is considered.
+const CONSPICUOUS: f64 = 3.0;
+/// Share of that excess that may remain with the further unknown for it to be the answer.
+const LEFT: f64 = 0.05;
+
+/// All that was recovered.
+#[derive(Clone, Debug)]
+pub struct Reconstruction {
+    /// The calibrated structure.
+    pub structure: CalibratedStructure,
+    /// The runs, in the order given.
+    pub runs: Vec<RunReconstruction>,
+}
+
+/// What was recovered of one run. Time series have one value a sample.
+#[derive(Clone, Debug)]
+pub struct RunReconstruction {
+    /// What was measured, as lines.
+    pub lines: RunLines,
+    /// What was recovered, as lines; `None` for an aperiodic run.
+    pub contact: Option<ContactHarmonics>,
+    /// Time of each sample [s].
+    pub time: Vec<f64>,
+    /// Friction force, its mean left out [N].
+    pub friction_force: Channel,
+    /// Normal force, with the declared preload [N].
+    pub normal_force: Channel,
+    /// Slip, its mean left out [m].
+    pub slip_displacement: Channel,
+    /// Slip velocity [m/s].
+    pub slip_velocity: Channel,
+    /// Force of the second support on the beam, its mean left out [N].
+    pub second_support_force: Option<Channel>,
+    /// Accelerations that the structure makes of all forces [m/s²].
+    pub acceleration_fit: Vec<Channel>,
+    /// Relative root mean square of measured less fitted acceleration over all sensors.
+    pub acceleration_error: f64,
+    /// The same of a perfect fit.
+    pub noise_floor: f64,
+    /// What no contact force can explain.
+    pub balance: BalanceResidual,
+    /// Whether the normal reaction was an unknown of its own.
+    pub normal_deviates: bool,
+    /// Lines on which the prior outweighs the data.
+    pub regularised_lines: Vec<usize>,
+    /// What accelerations cannot show.
+    pub unobservable: Vec<&'static str>,
+    /// What a reader must know about this run.
+    pub notes: Vec<String>,
+}
+
+/// Reconstructs the contact of all runs.
+///
+/// # Errors
+/// [`InverseError`] when the rig or a run cannot be used; a run that is not periodic is no error.
+pub fn reconstruct(
+    rig: &Rig,
+    runs: &[RunData<'_>],
+    options: &Options,
+) -> Result<Reconstruction, InverseError> {
+    check::rig(rig)?;
+    check::runs(rig, runs)?;
+    let lines: Vec<RunLines> =
+        runs.par_iter().map(|run| analyse(run, &rig.sensors, options.form)).collect::<Result<_, _>>()?;
+    let dynamics = Dynamics::new(rig);
+    let declared = CalibratedStructure::declared(rig.structure.clone(), &rig.trust);
+    let mut wanted = vec![Load::Friction];
+    wanted.extend(rig.second_support.map(|_| Load::SecondSupport));
+    let mut loads = vec![wanted; runs.len()];
+    let mut structure = fitted(&declared, &dynamics, (&lines, &loads), options);
+    if free_normal_reaction(rig, &setting(rig, &structure, &dynamics), &lines, &mut loads) {
+        structure = fitted(&declared, &dynamics, (&lines, &loads), options);
+    }
+    let setting = setting(rig, &structure, &dynamics);
+    let finished = lines
+        .into_par_iter()
+        .zip(loads)
+        .zip(runs)
+        .map(|((lines, loads), run)| {
+            let deviates = loads.contains(&Load::NormalDeviation);
+            let balance = setting.balance(&Equations { lines: &lines, loads });
+            finish(rig, run, (lines, balance), deviates)
+        })
+        .collect();
+    Ok(Reconstruction { structure, runs: finished })
+}
+
+fn setting<'a>(rig: &Rig, structure: &'a CalibratedStructure, dynamics: &'a Dynamics) -> Setting<'a> {
+    Setting { structure, dynamics, normal_stiffness: rig.normal_stiffness }
+}
+
+/// The structure calibrated on the periodic runs.
+fn fitted(
+    declared: &CalibratedStructure,
+    dynamics: &Dynamics,
+    (lines, loads): (&[RunLines], &[Vec<Load>]),
+    options: &Options,
+) -> CalibratedStructure {
+    let equations: Vec<Equations<'_>> = lines
+        .iter()
+        .zip(loads)
+        .filter(|(lines, loads)| lines.form != Form::Aperiodic && dynamics.sensors() > loads.len())
+        .map(|(lines, loads)| Equations { lines, loads: loads.clone() })
+        .collect();
+    if options.calibrate && !equations.is_empty() {
+        calibrate(declared, dynamics, &equations)
+    } else {
+        declared.clone()
+    }
+}
+
+/// Frees the normal reaction of the runs whose balance residual asks for it; whether any does.
+///
+/// It asks for it when the residual is conspicuous and a force at the end takes nearly all of it away.
+fn free_normal_reaction(
+    rig: &Rig,
+    setting: &Setting<'_>,
+    lines: &[RunLines],
+    loads: &mut [Vec<Load>],
+) -> bool {
+    if rig.slip == Slip::Transverse || rig.normal_stiffness <= 0.0 {
+        return false;
+    }
+    let mut any = false;
+    for (lines, loads) in lines.iter().zip(loads) {
+        if rig.sensors.len() < loads.len() + 2 || lines.form == Form::Aperiodic {
+            continue;
+        }
+        let bound = setting.residual(&Equations { lines, loads: loads.clone() }).reduced() - 1.0;
+        if bound < CONSPICUOUS {
+            continue;
+        }
+        let mut more = loads.clone();
+        more.push(Load::NormalDeviation);
+        let free = setting.residual(&Equations { lines, loads: more.clone() }).reduced() - 1.0;
+        if free < LEFT * bound {
+            *loads = more;
+            any = true;
+        }
+    }
+    any
+}
+
+fn finish(
+    rig: &Rig,
+    run: &RunData<'_>,
+    (lines, balance): (RunLines, RunBalance),
+    deviates: bool,
+) -> RunReconstruction {
+    let RunBalance { contact, residual, regularised } = balance;
+    let times = (lines.sampling_rate, lines.samples);
+    let series = |harmonics| Channel::from_harmonics(harmonics, times);
+    let acceleration_fit: Vec<Channel> = contact.acceleration_fit.iter().map(series).collect();
+    let (acceleration_error, noise_floor) = series::errors(run, &acceleration_fit, &lines.noise_std);
+    let mut notes = Vec::new();
+    if lines.form == Form::Aperiodic {
+        notes.push(format!(
+            "not periodic: {:.2} % of the power lies outside all lines",
+            100.0 * lines.aperiodic_share
+        ));
+    }
+    RunReconstruction {
+        time: (0..lines.samples).map(|j| j as f64 / lines.sampling_rate).collect(),
+        friction_force: series(&contact.friction),
+        normal_force: series(&contact.normal).plus(run.preload),
+        slip_displacement: series(&contact.slip),
+        slip_velocity: series(&contact.slip_velocity),
+        second_support_force: contact.second_support.as_ref().map(series),
+        acceleration_fit,
+        acceleration_error,
+        noise_floor,
+        balance: residual,
+        normal_deviates: deviates,
+        regularised_lines: regularised,
+        unobservable: unobservable(rig),
+        notes,
+        contact: Some(contact),
+        lines,
+    }
+}
+
+fn unobservable(rig: &Rig) -> Vec<&'static str> {
+    let mut names = vec!["mean of friction_force", "mean of slip_displacement", "preload"];
+    if rig.second_support.is_some() {
+        names.push("mean of second_support_force");
+    }
+    names
+}

@@ -1,0 +1,49 @@
+//! Time series of the result.
+
+use crate::RunData;
+use frettrace_fourier::Harmonics;
+
+/// A time series with its standard deviation, one value a sample.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Channel {
+    /// Values.
+    pub values: Vec<f64>,
+    /// Standard deviations.
+    pub std: Vec<f64>,
+}
+
+impl Channel {
+    /// Samples of harmonics; line errors are independent and without preferred phase, so the variance `½ Σ_h E|ε_h|²` is
+    /// the same at all times.
+    pub(crate) fn from_harmonics(harmonics: &Harmonics, (rate, samples): (f64, usize)) -> Self {
+        let variance = 0.5 * harmonics.variance.iter().sum::<f64>();
+        Self { values: harmonics.sample(rate, samples), std: vec![variance.sqrt(); samples] }
+    }
+
+    /// The same, moved by a constant.
+    #[must_use]
+    pub(crate) fn plus(mut self, constant: f64) -> Self {
+        self.values.iter_mut().for_each(|v| *v += constant);
+        self
+    }
+}
+
+/// Relative root mean square of measured less fitted acceleration over all sensors, means removed; and of noise alone.
+pub(crate) fn errors(run: &RunData<'_>, fit: &[Channel], noise_std: &[f64]) -> (f64, f64) {
+    let (mut left, mut power, mut noise) = (0.0, 0.0, 0.0);
+    for ((measured, fit), std) in run.accelerations.iter().zip(fit).zip(noise_std) {
+        let difference: Vec<f64> = measured.iter().zip(&fit.values).map(|(a, b)| a - b).collect();
+        left += variance(&difference);
+        power += variance(measured);
+        noise += std * std;
+    }
+    let scale = power.max(f64::MIN_POSITIVE);
+    ((left / scale).sqrt(), (noise / scale).sqrt())
+}
+
+/// Mean square about the mean.
+fn variance(x: &[f64]) -> f64 {
+    let n = x.len().max(1) as f64;
+    let mean = x.iter().sum::<f64>() / n;
+    x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n
+}
