@@ -7,6 +7,8 @@ mod guess;
 mod history;
 mod model;
 mod noise;
+mod record;
+mod smooth;
 mod steps;
 #[cfg(test)]
 mod tests;
@@ -16,4 +18,5 @@ pub use fitted::{ContactFit, StepReport};
 pub use guess::Guess;
 pub use history::{Closure, ContactHistory, NoiseDraw};
 pub use model::{ContactModel, Extras};
+pub use record::{FloorSource, PreparedRun, RawRun};
 pub use steps::{ContactSettings, identify_contact};
