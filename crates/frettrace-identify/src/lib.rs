@@ -6,6 +6,7 @@
 
 pub mod contact;
 mod error;
+pub mod evidence;
 mod fit;
 mod identified;
 mod model;

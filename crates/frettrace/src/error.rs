@@ -17,6 +17,15 @@ pub enum StudyError {
         /// What is wrong.
         source: frettrace_fourier::ProjectionError,
     },
+    /// The law could not be fitted.
+    #[error(transparent)]
+    Identify(#[from] frettrace_identify::IdentifyError),
+    /// A law that is not in the catalogue was asked for.
+    #[error("no law is called {name}; coulomb, stribeck, dahl, lugre, hybrid and auto are known")]
+    UnknownLaw {
+        /// The name.
+        name: String,
+    },
     /// A file cannot be written.
     #[error("{}: cannot be written: {source}; choose a folder that exists and may be written to", path.display())]
     Write {

@@ -4,12 +4,14 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`identify`] | the friction law behind a recording |
 //! | [`inspect`] | what a file holds and how good its signals are |
 //! | [`results`] | what `identify` and `explain` find, exactly as their JSON files |
 //! | [`report`] | the findings in words, figures and one HTML page |
 //! | [`store`] | results written beside their place, then renamed |
 
 mod error;
+pub mod identify;
 pub mod inspect;
 mod progress;
 pub mod report;

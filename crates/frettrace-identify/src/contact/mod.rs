@@ -1,5 +1,6 @@
 //! Friction law against motion and force of the contact itself.
 
+mod compare;
 mod drive;
 mod family;
 mod fitted;
@@ -13,6 +14,7 @@ mod steps;
 #[cfg(test)]
 mod tests;
 
+pub use compare::compare;
 pub use family::{Family, LAW_PARAMETERS};
 pub use fitted::{ContactFit, StepReport};
 pub use guess::Guess;

@@ -1,5 +1,6 @@
 //! The commands, one file each: arguments, one call into the library, the answer.
 
+mod identify;
 mod inspect;
 mod plot;
 
@@ -22,6 +23,7 @@ pub struct Program {
 
 #[derive(Subcommand, Debug)]
 enum Command {
+    Identify(identify::Arguments),
     Inspect(inspect::Arguments),
     Plot(plot::Arguments),
 }
@@ -30,6 +32,7 @@ enum Command {
 pub fn run(program: Program) -> anyhow::Result<()> {
     let session = Session { json: program.json, progress: Progress::terminal() };
     match &program.command {
+        Command::Identify(arguments) => identify::run(arguments, &session),
         Command::Inspect(arguments) => inspect::run(arguments, &session),
         Command::Plot(arguments) => plot::run(arguments, &session),
     }
