@@ -161,6 +161,82 @@ pub enum Problem {
         /// The version read.
         supported: u32,
     },
+    /// A laboratory's file of no known format.
+    #[error("the format is not known; export CSV, UFF 58, MATLAB, LVM or JSON")]
+    UnknownFormat,
+    /// A laboratory's file without numbers.
+    #[error("there are no numbers in it; export the channels as columns of numbers")]
+    NoNumbers,
+    /// A row of another width than the rows before it.
+    #[error("the row has {found} fields where the others have {expected}; complete or remove it")]
+    Ragged {
+        /// Fields found.
+        found: usize,
+        /// Fields of the other rows.
+        expected: usize,
+    },
+    /// Text where a number should stand.
+    #[error("`{found}` is not a number; mend or remove the row")]
+    BadNumber {
+        /// What stands there.
+        found: String,
+    },
+    /// The file breaks the rules of its format.
+    #[error("the file breaks the rules of its format ({reason}); export it again")]
+    Malformed {
+        /// How.
+        reason: String,
+    },
+    /// A file that ends too early.
+    #[error("the file ends after {found} of {expected} values; export or copy it again")]
+    CutShort {
+        /// Values found.
+        found: usize,
+        /// Values announced.
+        expected: usize,
+    },
+    /// The description of a conversion cannot be understood.
+    #[error("{reason}; see `frettrace convert --help` for the entries")]
+    BadDescription {
+        /// The parser's reason.
+        reason: String,
+    },
+    /// An entry the description needs.
+    #[error("the entry is missing; add it to the description")]
+    MissingEntry,
+    /// A quantity or unit of the wrong kind.
+    #[error("\"{found}\" does not fit; write {expected}")]
+    WrongQuantity {
+        /// What stands there.
+        found: String,
+        /// What is expected.
+        expected: String,
+    },
+    /// A column that is not in the file.
+    #[error("there is no column `{wanted}`; the file has {found}")]
+    MissingColumn {
+        /// The column wanted.
+        wanted: String,
+        /// The columns there are.
+        found: String,
+    },
+    /// A file of the description that was not given.
+    #[error("the file `{file}` is not among the inputs; give it, or the folder it lies in")]
+    MissingInput {
+        /// The file.
+        file: String,
+    },
+    /// A piece of a file without samples.
+    #[error("the piece holds {samples} samples; take a longer one")]
+    EmptyPiece {
+        /// Samples in the piece.
+        samples: usize,
+    },
+    /// Uneven sampling where even is needed.
+    #[error(
+        "sampling is uneven; add resample = {{ rate = \"… Hz\", method = \"linear\" }} to the description"
+    )]
+    Uneven,
     /// The other kind of file was asked for.
     #[error("the file is a {found}; give a {expected} here")]
     WrongFile {

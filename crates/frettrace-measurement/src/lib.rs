@@ -4,7 +4,9 @@
 //! one of them; every violation of the format is one line: file, place, what is wrong, what would mend it.
 //! Files are written beside their target and renamed when whole.
 
+mod convert;
 mod error;
+mod formats;
 mod hdf5;
 mod measurement;
 pub mod quality;
@@ -13,7 +15,9 @@ mod results;
 mod units;
 mod write;
 
+pub use convert::{Converted, convert, guess};
 pub use error::{Error, Problem};
+pub use formats::{Column, Table, read_table};
 pub use hdf5::{Array, Attribute, DataFile};
 pub use measurement::{
     Beam, ContactRecord, ContactRun, Exciter, MeasuredModes, Measurement, Run, SecondSupport, Sensors,
