@@ -18,9 +18,8 @@ impl Format for Lvm {
         let text = source.text();
         let malformed = |reason: &str| source.invalid("header", Problem::Malformed { reason: reason.into() });
         let lines: Vec<&str> = text.lines().collect();
-        let ends =
-            lines.iter().enumerate().filter(|(_, line)| line.starts_with(END_OF_HEADER)).map(|(at, _)| at);
-        let last = ends.last().ok_or_else(|| malformed("there is no end of the header"))?;
+        let last = lines.iter().rposition(|line| line.starts_with(END_OF_HEADER));
+        let last = last.ok_or_else(|| malformed("there is no end of the header"))?;
         let decimal = field(&lines[..=last], "Decimal_Separator").first().copied().unwrap_or(".");
         let labels = lines.get(last + 1).ok_or_else(|| malformed("there are no channel names"))?;
         let separator =

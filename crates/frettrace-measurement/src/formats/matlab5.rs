@@ -16,11 +16,29 @@ impl Format for Matlab5 {
 
     fn read(&self, source: &Source<'_>) -> Result<Table, Error> {
         let malformed = |reason: String| source.invalid("whole file", Problem::Malformed { reason });
+        if !is_whole(source.bytes) {
+            return Err(malformed("an array is cut short".into()));
+        }
         let file = MatFile::parse(source.bytes).map_err(|error| malformed(format!("{error:?}")))?;
         let columns =
             file.arrays().iter().flat_map(|array| columns(array.name(), array.size(), &real(array)));
         Ok(Table { format: "MATLAB version 5", columns: columns.collect(), interval: None })
     }
+}
+
+/// Whether the elements of the file end where the file does: `matfile` leaves out a cut one without a word.
+fn is_whole(bytes: &[u8]) -> bool {
+    let mut rest = bytes.get(128..).unwrap_or_default();
+    let little = bytes.get(126) == Some(&b'I');
+    while !rest.is_empty() {
+        let Some(size) = rest.get(4..8).and_then(|size| <[u8; 4]>::try_from(size).ok()) else { return false };
+        let size = if little { u32::from_le_bytes(size) } else { u32::from_be_bytes(size) };
+        match rest.get(8 + size as usize..) {
+            Some(after) => rest = after,
+            None => return false,
+        }
+    }
+    true
 }
 
 /// A variable as columns: a vector is one, a matrix one a column, named `x(:,2)`; scalars and empties are left out.

@@ -70,8 +70,8 @@ fn blocks(bytes: &[u8]) -> Vec<&[u8]> {
     while let Some(start) = find_mark(rest) {
         let body = &rest[start..];
         let first = body.split(|&byte| byte == b'\n').next().unwrap_or_default();
-        let length = binary_length(first);
-        let skip = length.map_or(0, |length| header_length(body).saturating_add(length)).min(body.len());
+        let skip =
+            binary_length(first, body).map_or(0, |length| header_length(body) + length).min(body.len());
         let end = find_mark(&body[skip..]).map_or(body.len(), |at| skip + at);
         if String::from_utf8_lossy(first).trim_start().starts_with("58") {
             found.push(&body[..end]);
@@ -94,11 +94,22 @@ fn find_mark(bytes: &[u8]) -> Option<usize> {
     None
 }
 
-/// Bytes of ordinates that a `58b` line announces: fields of 6, the sixth of 12 characters.
-fn binary_length(line: &[u8]) -> Option<usize> {
-    let line = String::from_utf8_lossy(line).into_owned();
-    let rest = line.trim_start().strip_prefix("58b")?;
-    rest.split_whitespace().nth(3)?.parse().ok()
+/// Bytes of ordinates behind a `58b` line. The line announces them, but writers get complex and uneven data wrong:
+/// the count in record 7 decides.
+fn binary_length(first: &[u8], body: &[u8]) -> Option<usize> {
+    if !first.trim_ascii_start().starts_with(b"58b") {
+        return None;
+    }
+    let header = String::from_utf8_lossy(&body[..header_length(body)]).into_owned();
+    let mut form = header.lines().nth(7)?.split_whitespace();
+    let (kind, count): (u32, usize) = (form.next()?.parse().ok()?, form.next()?.parse().ok()?);
+    let size = if matches!(kind, 4 | 6) { 8 } else { 4 };
+    count.checked_mul(size * stride(kind, form.next()? == "1"))
+}
+
+/// Numbers a sample: an abscissa where the spacing is uneven, one or two ordinates.
+fn stride(kind: u32, even: bool) -> usize {
+    usize::from(!even) + if kind >= 5 { 2 } else { 1 }
 }
 
 /// Bytes of the `58b` line and the 11 records below it.
@@ -113,7 +124,7 @@ impl Block {
         let form: Vec<&str> = lines.get(7)?.split_whitespace().collect();
         let axis = |index: usize| lines.get(index).and_then(|line| axis_unit(line));
         let data = &body[header_length(body)..];
-        let data = match binary_length(lines.first()?.as_bytes()) {
+        let data = match binary_length(lines.first()?.as_bytes(), body) {
             Some(length) => {
                 let big_endian =
                     lines.first()?.trim_start().strip_prefix("58b")?.split_whitespace().next()? == "2";
@@ -146,22 +157,17 @@ impl Block {
         }
     }
 
-    /// Numbers a sample: an abscissa where the spacing is uneven, one or two ordinates.
-    fn stride(&self) -> usize {
-        usize::from(!self.even) + if self.kind >= 5 { 2 } else { 1 }
-    }
-
     /// The (real parts of the) ordinates.
     fn ordinates(&self) -> Option<Vec<f64>> {
         let skip = usize::from(!self.even);
         let values = self.numbers()?;
-        Some(values.into_iter().skip(skip).step_by(self.stride()).take(self.count).collect())
+        Some(values.into_iter().skip(skip).step_by(stride(self.kind, self.even)).take(self.count).collect())
     }
 
     /// The abscissae where they are not evenly spaced.
     fn abscissae(&self) -> Option<Vec<f64>> {
         let values = if self.even { None } else { self.numbers() };
-        Some(values?.into_iter().step_by(self.stride()).take(self.count).collect())
+        Some(values?.into_iter().step_by(stride(self.kind, self.even)).take(self.count).collect())
     }
 
     fn numbers(&self) -> Option<Vec<f64>> {
