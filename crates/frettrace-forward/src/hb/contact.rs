@@ -7,7 +7,7 @@ pub const STATE_LIMIT: usize = 4;
 
 /// A law from the motion of a contact to one or two forces, one step at a time.
 ///
-/// Every [`FrictionLaw`] is one with a single force; a law that also pushes back in the normal direction gives two.
+/// A [`FrictionLaw`] becomes one by [`Friction`]; a law that also pushes back in the normal direction gives two forces.
 pub trait ContactLaw<T: Scalar>: Copy {
     /// Internal state: an array of at most [`STATE_LIMIT`] scalars.
     type State: Copy + AsRef<[T]> + AsMut<[T]>;
@@ -23,17 +23,21 @@ pub trait ContactLaw<T: Scalar>: Copy {
     fn step(&self, state: Self::State, step: &Step<T>) -> (Self::State, [T; 2]);
 }
 
-impl<T: Scalar, L: FrictionLaw<T>> ContactLaw<T> for L {
-    type State = <L as FrictionLaw<T>>::State;
+/// A friction law as a contact law with one force.
+#[derive(Clone, Copy, Debug)]
+pub struct Friction<L>(pub L);
+
+impl<T: Scalar, L: FrictionLaw<T>> ContactLaw<T> for Friction<L> {
+    type State = L::State;
 
     const FORCES: usize = 1;
 
     fn rest(&self) -> Self::State {
-        FrictionLaw::rest(self)
+        self.0.rest()
     }
 
     fn step(&self, state: Self::State, step: &Step<T>) -> (Self::State, [T; 2]) {
-        let (state, force) = FrictionLaw::step(self, state, step);
+        let (state, force) = self.0.step(state, step);
         (state, [force, T::zero()])
     }
 }

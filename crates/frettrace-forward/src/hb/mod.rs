@@ -13,7 +13,9 @@ mod chain;
 mod contact;
 mod dense;
 mod element;
+mod laws;
 mod lines;
+mod network;
 mod newton;
 mod period;
 mod solver;
@@ -22,9 +24,11 @@ mod tangent;
 #[cfg(test)]
 mod tests;
 
-pub use contact::{Contact, ContactLaw, Family, Normal, STATE_LIMIT};
+pub use contact::{Contact, ContactLaw, Family, Friction, Normal, STATE_LIMIT};
 pub use element::{Element, Motion, Orbit, Partials};
+pub use laws::{ElasticContact, Stop};
 pub use lines::Lines;
+pub use network::{Load, Network, Reading, Support};
 pub use newton::Status;
 pub use solver::{Settings, Solution, Solver};
 pub use system::Problem;

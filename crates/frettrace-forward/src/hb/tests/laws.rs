@@ -1,6 +1,6 @@
 //! Two laws written for the tests alone: friction proportional to the normal force.
 
-use crate::hb::Family;
+use crate::hb::{Family, Friction};
 use frettrace_friction::{FrictionLaw, Scalar, Step};
 
 /// Jenkins element: spring `k` [N/m] in series with a slider of limit `mu·N`.
@@ -14,14 +14,14 @@ pub(in crate::hb) struct Jenkins {
 pub(in crate::hb) struct JenkinsLaw<T>([T; 2]);
 
 impl Family for Jenkins {
-    type Law<T: Scalar> = JenkinsLaw<T>;
+    type Law<T: Scalar> = Friction<JenkinsLaw<T>>;
 
     fn parameters(&self) -> &[f64] {
         &self.parameters
     }
 
-    fn law<T: Scalar>(&self, parameters: &[T]) -> JenkinsLaw<T> {
-        JenkinsLaw([parameters[0], parameters[1]])
+    fn law<T: Scalar>(&self, parameters: &[T]) -> Friction<JenkinsLaw<T>> {
+        Friction(JenkinsLaw([parameters[0], parameters[1]]))
     }
 }
 
@@ -51,14 +51,14 @@ pub(in crate::hb) struct Dahl {
 pub(in crate::hb) struct DahlLaw<T>([T; 2]);
 
 impl Family for Dahl {
-    type Law<T: Scalar> = DahlLaw<T>;
+    type Law<T: Scalar> = Friction<DahlLaw<T>>;
 
     fn parameters(&self) -> &[f64] {
         &self.parameters
     }
 
-    fn law<T: Scalar>(&self, parameters: &[T]) -> DahlLaw<T> {
-        DahlLaw([parameters[0], parameters[1]])
+    fn law<T: Scalar>(&self, parameters: &[T]) -> Friction<DahlLaw<T>> {
+        Friction(DahlLaw([parameters[0], parameters[1]]))
     }
 }
 
