@@ -26,6 +26,12 @@ pub enum StudyError {
         /// The name.
         name: String,
     },
+    /// The declared beam or its support is out of range.
+    #[error(transparent)]
+    Beam(#[from] frettrace_beam::BeamError),
+    /// The inverse could not be tried.
+    #[error(transparent)]
+    Inverse(#[from] frettrace_inverse::InverseError),
     /// A file cannot be written.
     #[error("{}: cannot be written: {source}; choose a folder that exists and may be written to", path.display())]
     Write {

@@ -3,6 +3,7 @@
 mod identify;
 mod inspect;
 mod plot;
+mod reconstruct;
 
 use clap::{Parser, Subcommand};
 use frettrace::Progress;
@@ -26,6 +27,7 @@ enum Command {
     Identify(identify::Arguments),
     Inspect(inspect::Arguments),
     Plot(plot::Arguments),
+    Reconstruct(reconstruct::Arguments),
 }
 
 /// Runs one command.
@@ -35,6 +37,7 @@ pub fn run(program: Program) -> anyhow::Result<()> {
         Command::Identify(arguments) => identify::run(arguments, &session),
         Command::Inspect(arguments) => inspect::run(arguments, &session),
         Command::Plot(arguments) => plot::run(arguments, &session),
+        Command::Reconstruct(arguments) => reconstruct::run(arguments, &session),
     }
 }
 
