@@ -6,6 +6,8 @@
 
 pub mod bristle;
 mod catalogue;
+#[cfg(test)]
+mod conformance;
 pub mod effects;
 mod error;
 pub mod film;
@@ -17,7 +19,7 @@ pub mod masing;
 pub mod parameter;
 
 pub use bristle::{Bristle, Instant, Saturation, Steady};
-pub use catalogue::{FrictionModel, Law, Visitor};
+pub use catalogue::{Claims, FrictionModel, Law, Visitor};
 pub use error::Error;
 pub use law::{FrictionLaw, Scalar, Step, Stroke};
 pub use lift::{lift, positive_part, sign};

@@ -9,7 +9,10 @@ pub fn lift<T: Scalar, const M: usize>(value: f64, partials: [f64; M], arguments
     let mut lifted = T::from(value);
     if T::NDERIV > 0 {
         for (partial, argument) in partials.into_iter().zip(arguments) {
-            lifted += (argument - argument.re()) * partial;
+            // An argument without influence may be infinite, and ∞ − ∞ is no number.
+            if partial != 0.0 {
+                lifted += (argument - argument.re()) * partial;
+            }
         }
     }
     lifted

@@ -17,7 +17,8 @@
 //! Slip, force per newton and up to six turning points: the exact hysteresis, no sum over sliders.
 //!
 //! # Limits
-//! χ → −1: Jenkins. β → ∞: Jenkins. σ0 → ∞: Coulomb.
+//! β → ∞: Jenkins with k_t = σ0 N. χ → −1: microslip at once, dissipation with the square of the amplitude. σ0 → ∞:
+//! Coulomb.
 //!
 //! # Energy per cycle
 //! `4 N R A^{χ+3}/((χ+2)(χ+3))` for `A < φ_max`; beyond, `4 μ_k N (A − φ_max)` more.
