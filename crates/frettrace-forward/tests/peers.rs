@@ -3,7 +3,7 @@
 #[path = "peers/problems.rs"]
 mod problems;
 
-use frettrace_forward::hb::{Problem, Settings, Solver, Status};
+use frettrace_forward::hb::{Problem, Settings, Solver, Status, Sweep, SweepStatus};
 use num_complex::Complex64;
 use problems::{Peer, rms, table};
 
@@ -75,5 +75,38 @@ fn p4_agrees() {
         }
         // The mean of x is that of a slider started at 0.
         assert!((x[0].re - row[3]).abs() < 1e-7 * row[1] && (n[0].re - row[4]).abs() < 1e-9);
+    }
+}
+
+/// The followed curve goes through the peers' points: the largest response along it is theirs.
+#[test]
+fn curves_have_the_peers_peaks() {
+    // Peaks of the order-7 curves on a grid of 0.005 rad/s, from a third code (comparison of NLvib, tmdsimpy and pyHarm).
+    for (peer, range, peak) in
+        [(problems::p2(), [420.0, 260.0], 5.472_718_60e-6), (problems::p3(), [760.0, 380.0], 4.186_627_20e-5)]
+    {
+        let settings = Settings { order: peer.order, samples: peer.samples, tolerance: 1e-9, iterations: 40 };
+        let mut solver = Solver::new(settings).unwrap();
+        let sweep = Sweep { range, ..Sweep::default() };
+        let start = std::time::Instant::now();
+        let curve = solver.follow(&peer.network, &[peer.contact()], &sweep).unwrap();
+        println!(
+            "{:?} {} points {} evaluations {} linearisations {:?}",
+            curve.status,
+            curve.points.len(),
+            curve.evaluations,
+            curve.linearisations,
+            start.elapsed()
+        );
+        assert_eq!(curve.status, SweepStatus::Finished);
+        let tip = |point: &frettrace_forward::hb::Point| {
+            let lines = peer.network.lines(point.omega, peer.order, 1.0).unwrap();
+            let mut motion = vec![Complex64::ZERO; peer.order + 1];
+            lines.respond(1, &point.forces, &mut motion);
+            rms(&motion, true)
+        };
+        let largest = curve.points.iter().map(tip).fold(0.0, f64::max);
+        // Points nearest the peak lie a little beside it.
+        assert!(largest <= peak * (1.0 + 1e-6) && largest > 0.99 * peak, "{largest} {peak}");
     }
 }

@@ -9,8 +9,10 @@
 //! The states of the laws are periodic to rounding, whether they fade or not, and the Jacobian is the exact one of the
 //! sampled balance: partials of each step from dual numbers, chained through the period.
 
+mod bordered;
 mod chain;
 mod contact;
+mod continuation;
 mod dense;
 mod element;
 mod laws;
@@ -25,6 +27,7 @@ mod tangent;
 mod tests;
 
 pub use contact::{Contact, ContactLaw, Family, Friction, Normal, STATE_LIMIT};
+pub use continuation::{Curve, Point, Sweep, SweepStatus};
 pub use element::{Element, Motion, Orbit, Partials};
 pub use laws::{ElasticContact, Stop};
 pub use lines::Lines;

@@ -152,8 +152,13 @@ impl System {
 
     /// `K = ∂R/∂f̂ = 1 − ∂F/∂f̂` after [`Self::linearise`], factorised.
     pub fn factorise(&mut self, problem: &Problem) {
-        let size = problem.lines.forces() * (2 * self.order + 1);
-        self.dense.reset(size);
+        self.assemble(problem, 0);
+        self.dense.factorise();
+    }
+
+    /// `K` after [`Self::linearise`], with `border` further rows and columns of the identity to be filled in.
+    pub fn assemble(&mut self, problem: &Problem, border: usize) {
+        self.dense.reset(problem.lines.forces() * (2 * self.order + 1) + border);
         let mut columns = std::mem::take(&mut self.columns);
         for (contact, cell) in problem.contacts.iter().zip(&self.cells) {
             let chain = chain(contact, cell, self.samples);
@@ -169,7 +174,6 @@ impl System {
             }
         }
         self.columns = columns;
-        self.dense.factorise();
     }
 
     /// Lines of the forces of the last [`Self::evaluate`] up to a higher order.

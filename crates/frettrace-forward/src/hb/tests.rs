@@ -1,5 +1,6 @@
 //! Tests of the solver on small discrete systems whose answers are known or can be differenced.
 
+mod curves;
 mod laws;
 mod oscillator;
 
