@@ -10,8 +10,10 @@ use num_complex::Complex64;
 /// Step of the differences by which the further unknowns are differentiated, relative to their scale: the square root
 /// of rounding.
 const DIFFERENCE: f64 = 1e-8;
-/// Contraction up to which the factorised Jacobian is kept, from point to point as well.
-const KEEP: f64 = 0.2;
+/// Contraction up to which the factorised Jacobian is kept, from point to point as well; Broyden's updates help it.
+const KEEP: f64 = 0.5;
+/// Contraction from which the size of the next correction is foretold.
+const SURE: f64 = 0.2;
 /// Corrections before a step counts as lost.
 const LIMIT: usize = 16;
 
@@ -48,6 +50,8 @@ pub(super) struct Corrector {
     packed: Vec<f64>,
     answer: Vec<Complex64>,
     shifted: Vec<Complex64>,
+    /// Corrections since the Jacobian or the point was new, with their squares.
+    history: Vec<(Vec<f64>, f64)>,
     pub effort: Effort,
 }
 
@@ -61,6 +65,7 @@ impl Corrector {
         state: &mut State,
     ) -> Result<bool, ForwardError> {
         let mut last = f64::INFINITY;
+        self.history.clear();
         let size = state.forces.len();
         self.answer.resize(size, Complex64::ZERO);
         self.shifted.resize(size, Complex64::ZERO);
@@ -73,7 +78,9 @@ impl Corrector {
                 self.build(solver, contacts, conditions, (state, &lines))?;
             }
             let change = self.step(solver, conditions, state, &lines);
-            if change <= solver.settings().tolerance {
+            // What the next correction will be, once two in a row have shown how they shrink.
+            let shrink = if last.is_finite() { (change / last).min(1.0) } else { 1.0 };
+            if change * if shrink < SURE { shrink } else { 1.0 } <= solver.settings().tolerance {
                 return Ok(true);
             }
             if !change.is_finite() || (change > 2.0 * last && last.is_finite()) {
@@ -126,6 +133,7 @@ impl Corrector {
             (0..extra).for_each(|i| column[inner + i] = (there[i] - here[i]) / step);
         }
         solver.system.dense.factorise();
+        self.history.clear();
         self.fresh = true;
         Ok(())
     }
@@ -148,14 +156,33 @@ impl Corrector {
         conditions.values(lines, &state.forces, &state.unknowns, &mut self.packed[inner..]);
         self.packed[inner..].iter_mut().for_each(|value| *value = -*value);
         solver.system.dense.solve(&mut self.packed);
+        let size: f64 = self.answer.iter().map(Complex64::norm_sqr).sum();
+        let scale = size.sqrt().max(f64::MIN_POSITIVE);
+        self.packed[..inner].iter_mut().for_each(|x| *x /= scale);
+        self.packed[inner..].iter_mut().zip(conditions.scales()).for_each(|(x, s)| *x /= s);
+        let change = self.update();
+        self.packed[..inner].iter_mut().for_each(|x| *x *= scale);
         unpack(&self.packed[..inner], solver.system.order, &mut self.shifted);
-        let norm = |x: &[Complex64]| x.iter().map(Complex64::norm_sqr).sum::<f64>();
-        let mut change = norm(&self.shifted) / norm(&self.answer).max(f64::MIN_POSITIVE);
         state.forces.iter_mut().zip(&self.shifted).for_each(|(f, d)| *f += d);
-        for ((p, d), scale) in state.unknowns.iter_mut().zip(&self.packed[inner..]).zip(conditions.scales()) {
-            *p += d;
-            change += (d / scale).powi(2);
+        let unknowns = state.unknowns.iter_mut().zip(&self.packed[inner..]).zip(conditions.scales());
+        unknowns.for_each(|((p, d), scale)| *p += d * scale);
+        change
+    }
+
+    /// Broyden's rank-one updates, kept as corrections (C. T. Kelley, *Iterative Methods for Linear and Nonlinear
+    /// Equations*, 1995, algorithm brsol); gives the size of the correction.
+    fn update(&mut self) -> f64 {
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        for pair in self.history.windows(2) {
+            let factor = dot(&pair[0].0, &self.packed) / pair[0].1;
+            self.packed.iter_mut().zip(&pair[1].0).for_each(|(z, s)| *z += factor * s);
         }
-        change.sqrt()
+        if let Some((last, square)) = self.history.last() {
+            let rest = 1.0 - dot(last, &self.packed) / square;
+            self.packed.iter_mut().for_each(|z| *z /= rest);
+        }
+        let square = dot(&self.packed, &self.packed);
+        self.history.push((self.packed.clone(), square));
+        square.sqrt()
     }
 }

@@ -26,17 +26,24 @@ impl Lanes {
         self.im[lane] = value.im;
     }
 
+    #[inline(always)]
     fn get(&self, lane: usize) -> Complex64 {
         Complex64::new(self.re[lane], self.im[lane])
     }
 
+    /// Adds a multiple; most factors of a stuck or sliding contact are zero.
+    #[inline(always)]
     fn add(&mut self, factor: f64, other: &Self) {
+        if factor == 0.0 {
+            return;
+        }
         for i in 0..LANES {
             self.re[i] += factor * other.re[i];
             self.im[i] += factor * other.im[i];
         }
     }
 
+    #[inline(always)]
     fn turned(&self, turn: &Self) -> Self {
         let mut result = Self::default();
         for i in 0..LANES {

@@ -72,10 +72,13 @@ fn mismatch(orbit: &Orbit, m: usize, samples: usize) -> Closure {
     let (first, last) = (&orbit.states[..m], &orbit.states[samples * m..]);
     let mut worst = 0.0_f64;
     for j in 0..m {
-        let scale = orbit.states.iter().skip(j).step_by(m).fold(0.0_f64, |a, z| a.max(z.abs()));
         let change = (last[j] - first[j]).abs();
+        if change == 0.0 {
+            continue;
+        }
+        let scale = orbit.states.iter().skip(j).step_by(m).fold(0.0_f64, |a, z| a.max(z.abs()));
         // NaN must not pass as closed.
-        let relative = if change == 0.0 { 0.0 } else { change / scale };
+        let relative = change / scale;
         worst = if relative.is_nan() { f64::INFINITY } else { worst.max(relative) };
     }
     Closure { mismatch: worst }
@@ -116,6 +119,9 @@ impl Memory {
             return Self::Faded { since: samples };
         }
         let (width, block) = (m + INPUTS, (m + o) * (m + INPUTS));
+        if m == 1 {
+            return Self::of_one(partials, block, samples);
+        }
         let mut product = Square::zeros();
         (0..m).for_each(|j| product[(j, j)] = 1.0);
         for k in (0..samples).rev() {
@@ -129,6 +135,20 @@ impl Memory {
         Self::Lasting(product)
     }
 
+    fn of_one(partials: &Partials, block: usize, samples: usize) -> Self {
+        let mut product = 1.0;
+        for k in (0..samples).rev() {
+            product *= partials.rows[k * block];
+            if f64::abs(product) < FADED {
+                return Self::Faded { since: k };
+            }
+        }
+        let mut square = Square::zeros();
+        square[(0, 0)] = product;
+        Self::Lasting(square)
+    }
+
+    /// `(1 − Π)⁺` by singular values.
     pub fn inverse(self) -> Resolvent {
         let Self::Lasting(product) = self else {
             return Resolvent { resolvent: Square::identity(), neutral: Square::zeros() };
