@@ -2,7 +2,10 @@
 
 use crate::StudyError;
 use serde::{Serialize, de::DeserializeOwned};
-use std::{io::Write, path::Path};
+use std::{
+    io::{Read, Write},
+    path::Path,
+};
 
 /// Writes `text` to `path` in one act: the file is there complete, or not at all.
 ///
@@ -47,6 +50,16 @@ pub fn to_json(path: &Path, result: &impl Serialize) -> Result<String, StudyErro
         .map_err(|source| StudyError::Json { path: path.to_owned(), source })?;
     text.push('\n');
     Ok(text)
+}
+
+/// Whether a file begins as JSON does.
+///
+/// # Errors
+/// [`StudyError::Read`] when it cannot be read.
+pub fn is_json(path: &Path) -> Result<bool, StudyError> {
+    let mut first = [0];
+    let read = std::fs::File::open(path).and_then(|mut file| file.read(&mut first));
+    Ok(read.map_err(|source| StudyError::Read { path: path.to_owned(), source })? == 1 && first == *b"{")
 }
 
 /// Reads a result written by [`to_json`].

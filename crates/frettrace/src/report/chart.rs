@@ -9,8 +9,18 @@ use plotters::prelude::*;
 const PAPER: RGBColor = RGBColor(1, 2, 3);
 const TEXT: RGBColor = RGBColor(4, 5, 6);
 const GRID: RGBColor = RGBColor(7, 8, 9);
-const SERIES: [RGBColor; 4] =
-    [RGBColor(10, 11, 12), RGBColor(13, 14, 15), RGBColor(16, 17, 18), RGBColor(19, 20, 21)];
+const SERIES: [RGBColor; 9] = {
+    let mut markers = [RGBColor(0, 0, 0); 9];
+    let mut index = 0;
+    while index < 9 {
+        let first = 10 + 3 * index as u8;
+        markers[index] = RGBColor(first, first + 1, first + 2);
+        index += 1;
+    }
+    markers
+};
+/// Colours of numbered curves, told apart under colour-blindness and readable on light and dark (Okabe, Ito 2008).
+const NUMBERED: [&str; 6] = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00"];
 
 /// Where a chart will stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,8 +32,8 @@ pub enum Ink {
 }
 
 impl Ink {
-    /// Colours in the order paper, text, grid, series. The series keep apart under colour-blindness (Okabe, Ito 2008).
-    fn colours(self) -> [&'static str; 7] {
+    /// Colours in the order paper, text, grid, roles.
+    fn colours(self) -> [&'static str; 6] {
         match self {
             Self::Page => [
                 "var(--paper)",
@@ -32,9 +42,8 @@ impl Ink {
                 "var(--measured)",
                 "var(--before)",
                 "var(--after)",
-                "var(--further)",
             ],
-            Self::File => ["#ffffff", "#1a1a1a", "#dddddd", "#1a1a1a", "#d55e00", "#0072b2", "#009e73"],
+            Self::File => ["#ffffff", "#1a1a1a", "#dddddd", "#1a1a1a", "#d55e00", "#0072b2"],
         }
     }
 }
@@ -48,8 +57,19 @@ pub enum Role {
     Before,
     /// The model with the effects in it.
     After,
-    /// Anything else.
-    Further,
+    /// One of several curves of equal standing, by its number.
+    Number(usize),
+}
+
+impl Role {
+    fn index(self) -> usize {
+        match self {
+            Self::Measured => 0,
+            Self::Before => 1,
+            Self::After => 2,
+            Self::Number(number) => 3 + number % NUMBERED.len(),
+        }
+    }
 }
 
 /// One curve.
@@ -125,7 +145,7 @@ impl Chart<'_> {
             .y_desc(self.y_label)
             .draw()?;
         for (curve, points) in self.curves.iter().zip(shown) {
-            let colour = SERIES[curve.role as usize];
+            let colour = SERIES[curve.role.index()];
             let style = colour.stroke_width(if curve.role == Role::Measured { 3 } else { 2 });
             chart
                 .draw_series(pieces(&points).map(|piece| PathElement::new(piece, style)))?
@@ -211,7 +231,7 @@ fn short(value: f64, span: f64) -> String {
 fn dress(svg: &str, ink: Ink, title: &str) -> String {
     let markers = [PAPER, TEXT, GRID].into_iter().chain(SERIES);
     let mut text = svg.to_owned();
-    for (marker, colour) in markers.zip(ink.colours()) {
+    for (marker, colour) in markers.zip(ink.colours().into_iter().chain(NUMBERED)) {
         text = text.replace(&format!("#{:02X}{:02X}{:02X}", marker.0, marker.1, marker.2), colour);
     }
     let size = format!("width=\"{}\" height=\"{}\"", SIZE.0, SIZE.1);
