@@ -1,5 +1,6 @@
 //! The commands, one file each: arguments, one call into the library, the answer.
 
+mod convert;
 mod identify;
 mod inspect;
 mod plot;
@@ -24,6 +25,7 @@ pub struct Program {
 
 #[derive(Subcommand, Debug)]
 enum Command {
+    Convert(convert::Arguments),
     Identify(identify::Arguments),
     Inspect(inspect::Arguments),
     Plot(plot::Arguments),
@@ -34,6 +36,7 @@ enum Command {
 pub fn run(program: Program) -> anyhow::Result<()> {
     let session = Session { json: program.json, progress: Progress::terminal() };
     match &program.command {
+        Command::Convert(arguments) => convert::run(arguments, &session),
         Command::Identify(arguments) => identify::run(arguments, &session),
         Command::Inspect(arguments) => inspect::run(arguments, &session),
         Command::Plot(arguments) => plot::run(arguments, &session),
@@ -48,6 +51,11 @@ struct Session {
 }
 
 impl Session {
+    /// A line for the person who watches, on standard error.
+    fn log(&self, line: &str) {
+        self.progress.suspend(|| eprintln!("{line}"));
+    }
+
     /// The answer on standard output: `result` as JSON where that was asked for, else `text`.
     fn answer(&self, result: &impl Serialize, text: &str) -> anyhow::Result<()> {
         self.progress.finish();
