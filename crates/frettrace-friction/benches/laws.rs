@@ -1,8 +1,8 @@
 //! What does a sample cost? One closed period of 1024 samples for every law of the catalogue, in plain numbers and
-//! with derivatives to state, motion and parameters (`DualSVec64<8>`, `<16>`).
+//! with derivatives to motion and parameters, by [`Gradient`] and by `DualSVec64`.
 
 use divan::counter::ItemsCount;
-use frettrace_friction::{FrictionLaw, FrictionModel, Law, Period, Scalar, Visitor};
+use frettrace_friction::{FrictionLaw, FrictionModel, Gradient, Law, Period, Scalar, Visitor};
 use num_dual::DualSVec64;
 
 const SAMPLES: usize = 1024;
@@ -58,11 +58,16 @@ fn plain(bencher: divan::Bencher, law: &Law) {
 }
 
 #[divan::bench(args = Law::ALL)]
-fn dual_8(bencher: divan::Bencher, law: &Law) {
-    bench(bencher, *law, |value, k| DualSVec64::<8>::from_re(value).derivative(k % 8));
+fn gradient_8(bencher: divan::Bencher, law: &Law) {
+    bench(bencher, *law, |value, k| Gradient::<8>::variable(value, k % 8));
 }
 
 #[divan::bench(args = Law::ALL)]
-fn dual_16(bencher: divan::Bencher, law: &Law) {
+fn gradient_16(bencher: divan::Bencher, law: &Law) {
+    bench(bencher, *law, |value, k| Gradient::<16>::variable(value, k % 16));
+}
+
+#[divan::bench(args = [Law::Dahl, Law::Lugre, Law::Hybrid])]
+fn dual_svec_16(bencher: divan::Bencher, law: &Law) {
     bench(bencher, *law, |value, k| DualSVec64::<16>::from_re(value).derivative(k % 16));
 }
