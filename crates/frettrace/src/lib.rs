@@ -6,6 +6,7 @@
 //! |---|---|
 //! | [`identify`] | the friction law behind a recording |
 //! | [`inspect`] | what a file holds and how good its signals are |
+//! | [`modes`] | modes of the declared beam beside the measured ones |
 //! | [`reconstruct`] | contact forces and slip, by the inverse |
 //! | [`results`] | what `identify` and `explain` find, exactly as their JSON files |
 //! | [`report`] | the findings in words, figures and one HTML page |
@@ -14,6 +15,7 @@
 mod error;
 pub mod identify;
 pub mod inspect;
+pub mod modes;
 mod progress;
 pub mod reconstruct;
 pub mod report;

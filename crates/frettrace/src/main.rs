@@ -11,7 +11,8 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if commands::reader_has_gone(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            let line = format!("{error:#}").replace('\n', " ");
+            // Every message of ours holds its cause already.
+            let line = error.to_string().replace('\n', " ");
             eprintln!("frettrace: {line}");
             ExitCode::FAILURE
         }

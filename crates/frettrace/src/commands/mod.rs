@@ -3,6 +3,7 @@
 mod convert;
 mod identify;
 mod inspect;
+mod modes;
 mod plot;
 mod reconstruct;
 
@@ -28,6 +29,7 @@ enum Command {
     Convert(convert::Arguments),
     Identify(identify::Arguments),
     Inspect(inspect::Arguments),
+    Modes(modes::Arguments),
     Plot(plot::Arguments),
     Reconstruct(reconstruct::Arguments),
 }
@@ -39,6 +41,7 @@ pub fn run(program: Program) -> anyhow::Result<()> {
         Command::Convert(arguments) => convert::run(arguments, &session),
         Command::Identify(arguments) => identify::run(arguments, &session),
         Command::Inspect(arguments) => inspect::run(arguments, &session),
+        Command::Modes(arguments) => modes::run(arguments, &session),
         Command::Plot(arguments) => plot::run(arguments, &session),
         Command::Reconstruct(arguments) => reconstruct::run(arguments, &session),
     }

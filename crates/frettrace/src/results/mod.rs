@@ -5,7 +5,6 @@
 mod explanation;
 mod identification;
 mod number;
-mod reconstruction;
 
 pub use explanation::{
     BeforeAfter, Candidate, ContactLoop, Effect, Exhibits, Explanation, Place, ResidualShape, Verdict,
@@ -15,4 +14,3 @@ pub use identification::{
     ErrorSummary, Estimate, HeldOut, Identification, ModeEstimate, NoiseFloorSource, Provenance, Step,
     Structure,
 };
-pub use reconstruction::{ReconstructionSummary, RunSummary};
