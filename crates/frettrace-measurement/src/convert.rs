@@ -39,7 +39,7 @@ impl Converted {
     }
 }
 
-/// Converts laboratory files by a description (a TOML file; `docs` below name its entries).
+/// Converts laboratory files by a description (a TOML file).
 ///
 /// `inputs` are files, or folders in which the files of `[[runs]]` lie. Without `[[runs]]` every input is a run.
 ///

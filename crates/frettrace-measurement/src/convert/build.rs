@@ -196,7 +196,12 @@ fn signals(job: &mut Job<'_>, piece: &Piece, table: &Table, wanted: &[Wanted<'_>
         values = values.iter().map(|values| resample(&time, values, wanted, wish.method)).collect();
         time = (0..values[0].len()).map(|sample| time[0] + sample as f64 / wanted).collect();
         rate = Some(wanted);
-        job.remark(format!("resampled to {wanted} Hz, method {:?}", wish.method).to_lowercase());
+        let gap = times[kept.clone()].windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+        let name = file_name(file);
+        job.remark(format!(
+            "{name}: resampled to {wanted} Hz ({:?}); the longest gap bridged is {gap:.3} s",
+            wish.method
+        ));
     }
     for (values, want) in values.iter_mut().zip(wanted) {
         job.offset(Place { file, table, name: want.0, dimension: want.1 }, want.2, values)?;

@@ -85,18 +85,18 @@ fn layout(text: &str) -> Option<Layout> {
         (Delimiter::Blanks, false),
         (Delimiter::Blanks, true),
     ];
-    let rows = |&(delimiter, comma): &(Delimiter, bool)| {
-        let widths = lines.iter().map(|line| row_width(line, delimiter, comma));
-        let (rows, fields) =
-            widths.flatten().fold((0, 0), |(rows, fields), width| (rows + 1, fields + width));
-        // Of two readings of the same lines the one with more columns found the delimiter.
-        (rows, fields)
+    // The most frequent width and how often it occurs: of two readings of the same lines the one with more columns
+    // found the delimiter.
+    let score = |&(delimiter, comma): &(Delimiter, bool)| {
+        let widths: Vec<usize> = lines.iter().filter_map(|line| row_width(line, delimiter, comma)).collect();
+        let count = |width: usize| widths.iter().filter(|&&other| other == width).count();
+        widths.iter().map(|&width| (count(width), width)).max()
     };
-    let best =
-        tries.iter().rev().max_by_key(|attempt| rows(attempt)).filter(|attempt| rows(attempt).0 > 0)?;
+    // Of equals `max_by_key` takes the last, so the list is turned: the first named wins.
+    let best = tries.iter().rev().max_by_key(|attempt| score(attempt))?;
+    let (_, width) = score(best)?;
     let (delimiter, decimal_comma) = *best;
-    let first = lines.iter().position(|line| row_width(line, delimiter, decimal_comma).is_some())?;
-    let width = row_width(lines[first], delimiter, decimal_comma)?;
+    let first = lines.iter().position(|line| row_width(line, delimiter, decimal_comma) == Some(width))?;
     let headings = headings(&lines[..first], delimiter, width);
     Some(Layout { delimiter, decimal_comma, first, headings })
 }
