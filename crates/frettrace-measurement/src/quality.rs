@@ -93,8 +93,9 @@ pub struct ContactQuality {
     pub force_rms: f64,
     /// Largest minus smallest slip, in the unit of the slip.
     pub slip_span: f64,
-    /// Number of cycles of the slip: half the crossings of its mid line, with a dead band of a tenth of the span.
-    pub cycles: f64,
+    /// Number of cycles of the slip, from the crossings of its mid line with a dead band of a tenth of the span: a record of
+    /// n cycles has 2n − 1 crossings when it begins on the mid line, 2n otherwise.
+    pub cycles: usize,
 }
 
 /// Judges the signals of one run of a contact record.
@@ -117,7 +118,7 @@ pub fn judge_contact(run: &ContactRun) -> ContactQuality {
         uniform: run.sampling_rate.is_some(),
         force_rms: variance(&run.force).sqrt(),
         slip_span: high - low,
-        cycles: 0.5 * crossings as f64,
+        cycles: crossings.div_ceil(2),
     }
 }
 

@@ -84,7 +84,7 @@ fn state(state: ChannelState) -> &'static str {
 fn contact_row(run: &ContactQuality) -> String {
     let sampling = if run.uniform { "uniform" } else { "not uniform" };
     format!(
-        "{:6} {:8} {:13.4} {:14.4} {:14.4e} {:9.1}  {sampling}\n",
+        "{:6} {:8} {:13.4} {:14.4} {:14.4e} {:7}  {sampling}\n",
         run.id, run.samples, run.duration, run.force_rms, run.slip_span, run.cycles
     )
 }
