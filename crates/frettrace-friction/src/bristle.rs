@@ -128,7 +128,7 @@ impl<T: Scalar> Bristle<T> {
         if T::NDERIV == 0 && sigma1 == 0.0 {
             return self.sigma1;
         }
-        let ratio = v / v_d;
+        let ratio = v * v_d.recip();
         let decay = (-ratio * ratio).exp();
         let slope = 2.0 * sigma1 * decay * ratio / v_d;
         lift(sigma1 * decay, [decay, slope * ratio, -slope], [self.sigma1, self.v_d, velocity])
@@ -137,18 +137,12 @@ impl<T: Scalar> Bristle<T> {
     /// The new deflection `z` \[m\] after a step, with the friction coefficient μ of each instant.
     #[inline(always)]
     pub fn deflect(&self, z: T, step: &Step<T>, mu: impl Fn(Instant<T>) -> T) -> T {
-        let along = |stroke: &Stroke<T>| {
-            let at = |index: usize| {
-                let (velocity, fraction) = (stroke.velocity[index], stroke.fraction[index]);
-                mu(Instant { velocity, direction: stroke.direction, fraction })
-            };
-            [at(0), at(1), at(2)]
-        };
-        let (first, second) = step.strokes();
-        let z = self.advance(z, &first, along(&first));
-        match second {
-            None => z,
-            Some(stroke) => self.advance(z, &stroke, along(&stroke)),
+        match step.strokes() {
+            (stroke, None) => self.advance(z, &stroke, along(&stroke, &mu)),
+            (first, Some(second)) => {
+                let turned = self.advance(z, &first, along(&first, &mu));
+                self.advance(turned, &second, along(&second, &mu))
+            }
         }
     }
 
@@ -165,7 +159,7 @@ impl<T: Scalar> Bristle<T> {
             Saturation::Power => friction.power(loading, self.exponent),
             Saturation::Breakaway => friction.breakaway(loading, self.breakaway),
         };
-        after * stroke.direction / self.sigma0
+        after * (self.sigma0.recip() * stroke.direction)
     }
 
     /// The rate ż [m/s] of the deflection.
@@ -208,19 +202,33 @@ impl<T: Scalar> FrictionLaw<T> for Bristle<T> {
 
     #[inline]
     fn step(&self, state: [T; 1], step: &Step<T>) -> ([T; 1], T) {
-        let z = self.deflect(state[0], step, |instant| self.steady(instant.velocity));
         let velocity = step.velocity[1];
+        let last = self.steady(velocity);
+        let mu = |instant: Instant<T>| {
+            if instant.fraction.re() == 1.0 { last } else { self.steady(instant.velocity) }
+        };
+        let z = self.deflect(state[0], step, mu);
         let undamped = T::NDERIV == 0 && self.sigma1.re() == 0.0;
-        let rate = if undamped { velocity } else { self.rate(z, velocity, self.steady(velocity)) };
+        let rate = if undamped { velocity } else { self.rate(z, velocity, last) };
         ([z], self.force(z, rate, velocity, step.normal[1]))
     }
+}
+
+/// The friction coefficient at the start, the middle and the end of a stroke.
+#[inline(always)]
+fn along<T: Scalar>(stroke: &Stroke<T>, mu: &impl Fn(Instant<T>) -> T) -> [T; 3] {
+    let at = |index: usize| {
+        let (velocity, fraction) = (stroke.velocity[index], stroke.fraction[index]);
+        mu(Instant { velocity, direction: stroke.direction, fraction })
+    };
+    [at(0), at(1), at(2)]
 }
 
 /// μ(v) = μ_k + (μ_s − μ_k) exp(−(|v|/v_s)^δ) with `[mu_s, mu_k, v_s, delta]`.
 #[inline(always)]
 pub fn stribeck<T: Scalar>(velocity: T, parameters: [T; 4]) -> T {
     let [mu_s, mu_k, v_s, delta] = parameters;
-    let (excess, ratio) = (mu_s.re() - mu_k.re(), velocity.re().abs() / v_s.re());
+    let (excess, ratio) = (mu_s.re() - mu_k.re(), velocity.re().abs() * v_s.re().recip());
     if ratio == 0.0 {
         return mu_s;
     }

@@ -46,40 +46,52 @@ impl<T: Scalar> Friction<T> {
         T::NDERIV == 0 && self.mu[0].re() == self.mu[2].re() && self.mu[1].re() == self.mu[2].re()
     }
 
-    /// `∫ σ0 |du| / μ` over the whole stroke and over its first half, by parabolas in time.
+    /// `∫ σ0 |du| / μ` over the stroke, by Simpson's rule.
     #[inline(always)]
-    fn relaxation(&self) -> (T, T) {
+    fn relaxation(&self) -> T {
         let [f0, f1, f2] = [0, 1, 2].map(|index| self.pace[index] / self.mu[index]);
-        ((f0 + f1 * 4.0 + f2) * (1.0 / 6.0), (f0 * 5.0 + f1 * 8.0 - f2) * (1.0 / 24.0))
+        (f0 + f1 * 4.0 + f2) * (1.0 / 6.0)
     }
 
-    /// `dp/dX = μ(X) − p`, exact for a parabola μ(X).
+    /// `dp/dX = μ(X) − p` with `dX = σ0 |du| / μ`, exact for a parabola μ(X); the length X of the stroke and of its first
+    /// half come from parabolas in time.
     #[inline(always)]
     pub fn linear(&self, loading: T) -> T {
         if self.is_steady() {
             let mu = self.mu[0];
             return mu + (loading - mu) * (-self.push / mu).exp();
         }
-        let (whole, half) = self.relaxation();
-        if whole.re() <= 0.0 {
-            return loading + self.push - loading * whole;
+        let (mu, pace) = (self.mu.map(|m| m.re()), self.pace.map(|f| f.re()));
+        // One division for three.
+        let inverse = (mu[0] * mu[1] * mu[2]).recip();
+        let inverses = [mu[1] * mu[2] * inverse, mu[0] * mu[2] * inverse, mu[0] * mu[1] * inverse];
+        let f = [pace[0] * inverses[0], pace[1] * inverses[1], pace[2] * inverses[2]];
+        let whole = (f[0] + f[1] * 4.0 + f[2]) * (1.0 / 6.0);
+        if whole <= 0.0 {
+            return loading + self.push - loading * self.push / self.mu[1];
         }
-        let middle = half / whole;
-        let kappa = middle.re().clamp(MIDDLE.0, MIDDLE.1);
-        let memory = Memory::new(whole.re());
+        let middle = (f[0] * 5.0 + f[1] * 8.0 - f[2]) / (24.0 * whole);
+        let kappa = middle.clamp(MIDDLE.0, MIDDLE.1);
+        let memory = Memory::new(whole);
         let weights = memory.weights(kappa);
-        let [m0, m1, m2] = self.mu.map(|coefficient| coefficient.re());
+        let sum = |w: [f64; 3]| w[0] * mu[0] + w[1] * mu[1] + w[2] * mu[2];
         let decay = 1.0 - memory.moments[0];
-        let value = loading.re() * decay + weights[0] * m0 + weights[1] * m1 + weights[2] * m2;
+        let value = loading.re() * decay + sum(weights);
         if T::NDERIV == 0 {
             return T::from(value);
         }
-        let by_whole = memory.slope().weights(kappa);
-        let by_kappa = memory.weights_by_kappa(kappa);
-        let sum = |w: [f64; 3]| w[0] * m0 + w[1] * m1 + w[2] * m2;
-        let partials =
-            [decay, sum(by_whole) - loading.re() * decay, sum(by_kappa), weights[0], weights[1], weights[2]];
-        lift(value, partials, [loading, whole, middle, self.mu[0], self.mu[1], self.mu[2]])
+        let by_kappa = if kappa == middle { sum(memory.weights_by_kappa(kappa)) / whole } else { 0.0 };
+        let by_whole = sum(memory.slope().weights(kappa)) - loading.re() * decay - middle * by_kappa;
+        let by_f = [
+            by_whole * (1.0 / 6.0) + by_kappa * (5.0 / 24.0),
+            by_whole * (4.0 / 6.0) + by_kappa * (8.0 / 24.0),
+            by_whole * (1.0 / 6.0) - by_kappa * (1.0 / 24.0),
+        ];
+        let by_pace = [by_f[0] * inverses[0], by_f[1] * inverses[1], by_f[2] * inverses[2]];
+        let by_mu = [0, 1, 2].map(|j| weights[j] - by_pace[j] * f[j]);
+        let [[p0, p1, p2], [m0, m1, m2]] = [by_pace, by_mu];
+        let [[f0, f1, f2], [n0, n1, n2]] = [self.pace, self.mu];
+        lift(value, [decay, p0, p1, p2, m0, m1, m2], [loading, f0, f1, f2, n0, n1, n2])
     }
 
     /// `dr/dX = sgn(1 − r)|1 − r|^i` in closed form; a changing μ is followed to second order.
@@ -93,7 +105,7 @@ impl<T: Scalar> Friction<T> {
             return power_flow(loading / mu, self.push / mu, exponent) * mu;
         }
         let mean = (self.mu[0] + self.mu[2]) * 0.5;
-        let (whole, _) = self.relaxation();
+        let whole = self.relaxation();
         let memory = Memory::new(whole.re().max(f64::MIN_POSITIVE));
         let lag = lift(memory.follow(), [memory.slope().follow()], [whole]);
         power_flow(loading / mean, whole, exponent) * mean + (self.mu[2] - self.mu[0]) * lag
@@ -307,10 +319,12 @@ impl Memory {
     #[inline(always)]
     fn weights(&self, kappa: f64) -> [f64; 3] {
         let [zeroth, first, second] = self.moments;
+        let rest = 1.0 - kappa;
+        let inverse = (kappa * rest).recip();
         [
-            (second - (1.0 + kappa) * first + kappa * zeroth) / kappa,
-            (first - second) / (kappa * (1.0 - kappa)),
-            (second - kappa * first) / (1.0 - kappa),
+            (second - (1.0 + kappa) * first + kappa * zeroth) * (rest * inverse),
+            (first - second) * inverse,
+            (second - kappa * first) * (kappa * inverse),
         ]
     }
 
