@@ -7,6 +7,9 @@ pub enum ForwardError {
     /// The phase grid cannot carry the harmonics.
     #[error(transparent)]
     Grid(#[from] frettrace_fourier::GridError),
+    /// The beam cannot be computed.
+    #[error(transparent)]
+    Beam(#[from] frettrace_beam::BeamError),
     /// A contact names a channel or force that the lines do not have.
     #[error("contact {contact} names {what} {index}, but there are {available}")]
     Index {

@@ -4,5 +4,6 @@ pub mod accelerations;
 mod error;
 pub mod hb;
 pub mod march;
+pub mod simulate;
 
 pub use error::ForwardError;

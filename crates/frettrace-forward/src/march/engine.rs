@@ -141,6 +141,12 @@ impl<'a, L: FrictionLaw<f64>> March<'a, L> {
         displacement.chain(self.velocity.iter().copied()).collect()
     }
 
+    /// The lowest natural frequency (rad/s).
+    #[must_use]
+    pub fn slowest_frequency(&self) -> f64 {
+        self.assembly.structure.natural_frequency().iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
     /// Number of loads known in time.
     #[must_use]
     pub fn input_count(&self) -> usize {

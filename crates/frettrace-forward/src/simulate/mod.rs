@@ -1,0 +1,20 @@
+//! Synthetic recordings: what a laboratory would hand over, and what only a simulation knows.
+//!
+//! A [`SimulatedRig`] is marched ([`crate::march`]) to its steady state and recorded on a fine time base; every channel
+//! goes through one zero-phase anti-alias filter, then through its own measuring chain ([`Chain`]). All randomness comes
+//! from the seed.
+
+mod chain;
+mod filter;
+mod record;
+mod rig;
+
+pub use chain::{Chain, Hum};
+pub use record::{SimulatedRecord, simulate};
+pub use rig::{
+    Attached, BaseMotion, NormalContact, Sampling, SimulatedLaw, SimulatedRig, SimulatedRun, SimulatedSensor,
+    Slip,
+};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,318 @@
+//! One run of the rig, recorded.
+
+use std::f64::consts::TAU;
+
+use frettrace_beam::{Dof, ModalModel, ModalOptions};
+use frettrace_friction::effects::{Circumstance, ModifiedLaw, ModifiedState};
+use frettrace_friction::{FrictionLaw, Step, Visitor};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+use super::filter::{LowPass, REACH};
+use super::rig::{Attached, SimulatedLaw, SimulatedRig, SimulatedRun, Slip};
+use crate::ForwardError;
+use crate::march::{
+    Assembly, FrictionContact, LocalLoad, March, Normal, Port, SettleOptions, Settling, Structure, settle,
+};
+
+/// What a run hands over, and what only the simulation knows; one number a sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SimulatedRecord {
+    /// Accelerations (m/s²), one vector a sensor.
+    pub acceleration: Vec<Vec<f64>>,
+    /// Excitation force (N).
+    pub force: Vec<f64>,
+    /// Friction force (N).
+    pub friction_force: Vec<f64>,
+    /// Normal force (N).
+    pub normal_force: Vec<f64>,
+    /// Slip (m).
+    pub slip: Vec<f64>,
+    /// Slip velocity (m/s).
+    pub slip_velocity: Vec<f64>,
+    /// Load of the second support on the beam (N).
+    pub second_support_force: Option<Vec<f64>>,
+    /// Whether the run had settled when it was recorded.
+    pub settling: Settling,
+}
+
+/// Simulates run number `index` of the rig.
+///
+/// # Errors
+/// [`ForwardError`] where the beam cannot be computed.
+pub fn simulate(rig: &SimulatedRig, run: &SimulatedRun, index: u64) -> Result<SimulatedRecord, ForwardError> {
+    let job = Job { rig, run, index };
+    match &rig.law {
+        SimulatedLaw::Declared(model) => model.visit(job),
+        SimulatedLaw::Modified(law) => {
+            let circumstance =
+                Circumstance { preload: run.preload, progress: run.progress, ..Circumstance::default() };
+            job.visit(&Circumstantial { law: *law, circumstance })
+        }
+    }
+}
+
+/// A modified law in the circumstances of one run.
+#[derive(Clone, Copy)]
+struct Circumstantial {
+    law: ModifiedLaw<f64>,
+    circumstance: Circumstance,
+}
+
+impl FrictionLaw<f64> for Circumstantial {
+    type State = ModifiedState<f64>;
+
+    fn rest(&self) -> Self::State {
+        self.law.rest_at(0.0)
+    }
+
+    fn step(&self, state: Self::State, step: &Step<f64>) -> (Self::State, f64) {
+        self.law.advance(state, step, &self.circumstance)
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Job<'a> {
+    rig: &'a SimulatedRig,
+    run: &'a SimulatedRun,
+    index: u64,
+}
+
+/// Where the things of the rig are in the list of ports.
+const EXCITER: usize = 0;
+const SLIP: usize = 1;
+const NORMAL: usize = 2;
+const SENSORS: usize = 3;
+
+/// Settling is first brought to this change a period on a coarse time base, …
+const COARSE_TOLERANCE: f64 = 1e-5;
+/// … of this many times the fine step, …
+const COARSENING: usize = 4;
+/// … then to this one on the fine one.
+const FINE_TOLERANCE: f64 = 1e-8;
+/// Time constants of the slowest mode after which a run that still changes is recorded as it is.
+const PATIENCE: f64 = 25.0;
+
+impl Visitor<f64> for Job<'_> {
+    type Output = Result<SimulatedRecord, ForwardError>;
+
+    fn visit<L: FrictionLaw<f64>>(self, law: &L) -> Self::Output {
+        let assembly = self.assembly(*law)?;
+        let mut random =
+            Pcg64::seed_from_u64(self.rig.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(self.index));
+        let phase = random.random_range(0.0..TAU);
+        let mut march = March::new(&assembly, 1.0);
+        let settling = self.settle(&mut march, phase);
+        let fine = self.march_record(&mut march, phase);
+        Ok(self.sample(&fine, settling, &mut random))
+    }
+}
+
+impl Job<'_> {
+    fn model(&self) -> Result<ModalModel, ForwardError> {
+        let options = ModalOptions {
+            modes: self.rig.modes,
+            natural_frequency: self.rig.natural_frequency.clone(),
+            damping_ratio: self.rig.damping_ratio.clone(),
+            ..ModalOptions::default()
+        };
+        let mut model = ModalModel::new(&self.rig.beam, &self.rig.boundary, &options)?;
+        for mode in 0..model.mode_count() {
+            let (frequency, ratio) = (model.natural_frequency()[mode], model.damping_ratio()[mode]);
+            model.set_mode(mode, frequency * self.run.frequency_factor, ratio);
+        }
+        Ok(model)
+    }
+
+    fn ports(&self) -> Vec<Port> {
+        let end = self.rig.beam.length;
+        let displacement = |position: f64| Port { dof: Dof::displacement(position), factor: 1.0 };
+        let slip = match self.rig.slip {
+            Slip::Rotation { lever_arm } => Port { dof: Dof::rotation(end), factor: lever_arm },
+            Slip::Transverse => displacement(end),
+        };
+        let sensors = self.rig.sensors.iter().map(|sensor| displacement(sensor.position));
+        let attached = self.rig.attached.iter().map(|&(position, _)| displacement(position));
+        [displacement(self.rig.exciter), slip, displacement(end)]
+            .into_iter()
+            .chain(sensors)
+            .chain(attached)
+            .collect()
+    }
+
+    fn assembly<L>(&self, law: L) -> Result<Assembly<L>, ForwardError> {
+        let model = self.model()?;
+        let mut structure = Structure::from_beam(&model, &self.ports())?;
+        let mut inputs = vec![EXCITER];
+        if self.rig.base.is_some() {
+            inputs.push(structure.add_base(&model));
+        }
+        let first = SENSORS + self.rig.sensors.len();
+        let mut loads = Vec::new();
+        for (index, &(_, attached)) in self.rig.attached.iter().enumerate() {
+            match attached {
+                Attached::Mass(mass) => structure.add_mass(first + index, mass)?,
+                Attached::Load(characteristic) => {
+                    loads.push(LocalLoad { port: first + index, characteristic })
+                }
+            }
+        }
+        let normal = Normal {
+            port: matches!(self.rig.slip, Slip::Rotation { .. }).then_some(NORMAL),
+            stiffness: self.rig.boundary.support_stiffness,
+            cubic: self.rig.normal.cubic,
+            lifts_off: self.rig.normal.lifts_off,
+            modulation: self.run.modulation,
+            ..Normal::constant(self.run.preload)
+        };
+        Ok(Assembly {
+            structure,
+            inputs,
+            friction: Some(FrictionContact { law, slip_port: SLIP, normal }),
+            loads,
+        })
+    }
+
+    /// The input loads at a time; returns the acceleration of the base.
+    fn known(&self, phase: f64, time: f64, loads: &mut [f64]) -> f64 {
+        loads[0] = self.run.force_amplitude * (self.run.omega * time + phase).sin();
+        let Some(base) = self.rig.base else { return 0.0 };
+        loads[1] = base.acceleration * (base.frequency_ratio * self.run.omega * time + base.phase).cos();
+        loads[1]
+    }
+
+    fn settle<L: FrictionLaw<f64>>(&self, march: &mut March<'_, L>, phase: f64) -> Settling {
+        let period = TAU / self.run.omega;
+        let fine = (period * self.fine_rate()).round().max(64.0) as usize;
+        let rig = self.rig;
+        let slowest = rig.damping_ratio.iter().copied().fold(f64::INFINITY, f64::min).clamp(1e-4, 1.0)
+            * march.slowest_frequency();
+        let options = SettleOptions {
+            steps_per_period: (fine / COARSENING).max(64),
+            maximum_periods: (PATIENCE / (slowest * period)).ceil().max(50.0) as usize,
+            tolerance: COARSE_TOLERANCE,
+            ..SettleOptions::new(period)
+        };
+        let known = |time: f64, loads: &mut [f64]| {
+            self.known(phase, time, loads);
+        };
+        let coarse = settle(march, &options, known);
+        if matches!(coarse, Settling::NotPeriodic { .. }) {
+            return coarse;
+        }
+        settle(march, &SettleOptions { steps_per_period: fine, tolerance: FINE_TOLERANCE, ..options }, known)
+    }
+
+    fn fine_rate(&self) -> f64 {
+        self.rig.sampling.rate * self.rig.sampling.oversampling as f64
+    }
+
+    /// Fine samples before the first sample of the record: the filter's reach and the latest channel.
+    fn margin(&self) -> usize {
+        let late = self.rig.sensors.iter().map(|s| s.chain.delay.abs()).fold(0.0, f64::max);
+        REACH * self.rig.sampling.oversampling + (late * self.fine_rate()).ceil() as usize + 2
+    }
+
+    fn march_record<L: FrictionLaw<f64>>(&self, march: &mut March<'_, L>, phase: f64) -> Fine {
+        let count = self.rig.sampling.samples * self.rig.sampling.oversampling + 2 * self.margin();
+        let mut fine = Fine::new(self.rig.sensors.len(), count, self.rig.second_support.is_some());
+        march.set_step(1.0 / self.fine_rate());
+        let start = march.time();
+        let mut loads = vec![0.0; march.input_count()];
+        let second = self.second_support();
+        for k in 1..=count {
+            let time = start + k as f64 / self.fine_rate();
+            let base = self.known(phase, time, &mut loads);
+            march.step(&loads);
+            march.set_time(time);
+            let moment = march.moment();
+            let contact = [loads[0], moment.friction, moment.normal, moment.slip, moment.velocity];
+            for (channel, value) in fine.contact.iter_mut().zip(contact) {
+                channel.push(value);
+            }
+            fine.base.push(base);
+            for (index, channel) in fine.displacement.iter_mut().enumerate() {
+                channel.push(march.displacement(SENSORS + index));
+            }
+            if let (Some(channel), Some(index)) = (&mut fine.second, second) {
+                channel.extend(march.local_loads().nth(index));
+            }
+        }
+        fine
+    }
+
+    /// Place of the second support among the local loads (masses are none).
+    fn second_support(&self) -> Option<usize> {
+        let index = self.rig.second_support?;
+        let is_load = |attached: &&(f64, Attached)| matches!(attached.1, Attached::Load(_));
+        Some(self.rig.attached[..index].iter().filter(is_load).count())
+    }
+
+    fn sample(&self, fine: &Fine, settling: Settling, random: &mut Pcg64) -> SimulatedRecord {
+        let sampling = &self.rig.sampling;
+        let margin = self.margin();
+        let record = |channel: &[f64], delay: f64| -> Vec<f64> {
+            let filter = LowPass::new(sampling.oversampling, delay * self.fine_rate());
+            (0..sampling.samples).map(|k| filter.at(channel, margin + k * sampling.oversampling)).collect()
+        };
+        let acceleration = fine
+            .displacement
+            .iter()
+            .zip(&self.rig.sensors)
+            .map(|(channel, sensor)| {
+                let motion = second_derivative(channel, &fine.base, self.fine_rate());
+                let mut signal = record(&motion, sensor.chain.delay);
+                sensor.chain.apply(&mut signal, sampling.rate, random);
+                signal
+            })
+            .collect();
+        let [force, friction_force, normal_force, slip, slip_velocity] =
+            fine.contact.each_ref().map(|channel| record(channel, 0.0));
+        SimulatedRecord {
+            acceleration,
+            force,
+            friction_force,
+            normal_force,
+            slip,
+            slip_velocity,
+            second_support_force: fine.second.as_ref().map(|channel| record(channel, 0.0)),
+            settling,
+        }
+    }
+}
+
+/// All channels on the fine time base.
+struct Fine {
+    /// Displacements of the sensors against the base.
+    displacement: Vec<Vec<f64>>,
+    /// Acceleration of the base.
+    base: Vec<f64>,
+    /// Force, friction force, normal force, slip, slip velocity.
+    contact: [Vec<f64>; 5],
+    second: Option<Vec<f64>>,
+}
+
+impl Fine {
+    fn new(sensors: usize, count: usize, second: bool) -> Self {
+        let channel = || Vec::with_capacity(count);
+        Self {
+            displacement: (0..sensors).map(|_| channel()).collect(),
+            base: channel(),
+            contact: std::array::from_fn(|_| channel()),
+            second: second.then(channel),
+        }
+    }
+}
+
+/// Acceleration from displacement by central differences of fourth order, plus the base's.
+///
+/// Modes above the fine rate ring at the kinks that the hold puts into the loads; sampled, that ringing folds onto the
+/// lines. In displacements it is negligible, in modal accelerations it is not.
+fn second_derivative(displacement: &[f64], base: &[f64], rate: f64) -> Vec<f64> {
+    let mut acceleration = base.to_vec();
+    for (window, value) in displacement.windows(5).zip(&mut acceleration[2..]) {
+        let [a, b, c, d, e] = [window[0], window[1], window[2], window[3], window[4]];
+        *value += (16.0 * (b + d) - a - e - 30.0 * c) * rate * rate / 12.0;
+    }
+    acceleration
+}
