@@ -56,4 +56,37 @@ pub enum StudyError {
         /// What is wrong with it.
         source: serde_json::Error,
     },
+    /// A rig with an unknown key, a missing one or a bare mistake.
+    #[error("{}: line {line}: {message}", path.display())]
+    RigSyntax {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong.
+        message: String,
+    },
+    /// A value of a rig out of its range.
+    #[error("{}: {place} is {found}; allowed: {allowed}", path.display())]
+    RigValue {
+        /// The file.
+        path: PathBuf,
+        /// Table and key.
+        place: String,
+        /// The value.
+        found: String,
+        /// The allowed range.
+        allowed: String,
+    },
+    /// The forward problem cannot be tried.
+    #[error(transparent)]
+    Forward(#[from] frettrace_forward::ForwardError),
+    /// An effect that the declared law cannot carry.
+    #[error("effect {effect} needs one of the laws dahl, lugre, hybrid; the rig declares {law}")]
+    EffectOnLaw {
+        /// The effect's id.
+        effect: &'static str,
+        /// The declared law.
+        law: String,
+    },
 }

@@ -10,6 +10,8 @@
 //! | [`reconstruct`] | contact forces and slip, by the inverse |
 //! | [`results`] | what `identify` and `explain` find, exactly as their JSON files |
 //! | [`report`] | the findings in words, figures and one HTML page |
+//! | [`rig`] | RIG.toml, what a simulation is made from |
+//! | [`simulate`] | a rig to a measurement with its truth |
 //! | [`store`] | results written beside their place, then renamed |
 
 mod error;
@@ -20,6 +22,8 @@ mod progress;
 pub mod reconstruct;
 pub mod report;
 pub mod results;
+pub mod rig;
+pub mod simulate;
 pub mod store;
 
 pub use error::StudyError;

@@ -7,7 +7,7 @@
 //! | `[clamp]` | `rotational_stiffness_n_m_per_rad` (infinite) |
 //! | `[modes]` | `damping_ratio` (list; the last holds for the rest), `natural_frequency_hz` (list; the beam's own), `declared` (6, 0 = none in the file), `frequency_relative_std` (1e-5), `damping_relative_std` (1e-3) |
 //! | `[support]` | `slip` (`rotation`, `transverse`), `lever_arm_m`, `normal_stiffness_n_per_m`, `law`, and `[support.parameters]` |
-//! | `[support.parameters]` | `sigma0_per_m`, `sigma1_s_per_m`, `sigma2_n_s_per_m`, `mu_s`, `mu_k`, `v_s_m_per_s`, `v_d_m_per_s`, `delta`, `exponent`, `breakaway`: those of the law, no others |
+//! | `[support.parameters]` | those of the law, units in the keys: `sigma0_per_m`, `sigma1_s_per_m`, `sigma2_n_s_per_m`, `v_s_m_per_s`, `mu_k`, … ([`parameter_key`]) |
 //! | `[second_support]` | `position_m`, `stiffness_n_per_m`, `gap_m` (0): declared in the file, its force is not |
 //! | `[exciter]` | `position_m` |
 //! | `[sensors]` | `position_m` (list), `noise_std_m_per_s2` (0), `noise_correlation` (0 = white) |
@@ -18,8 +18,10 @@
 mod check;
 mod effect;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
+use frettrace_friction::{FrictionModel, Law, Parameter};
 use serde::Deserialize;
 
 use crate::StudyError;
@@ -152,54 +154,8 @@ pub struct RigSupport {
     pub normal_stiffness_n_per_m: Option<f64>,
     /// The declared friction law.
     pub law: String,
-    /// Its parameters.
-    pub parameters: RigFriction,
-}
-
-/// Parameters of the declared law.
-#[derive(Clone, Debug, Default, Deserialize, PartialEq)]
-#[serde(deny_unknown_fields)]
-pub struct RigFriction {
-    /// `σ0` (1/m).
-    pub sigma0_per_m: Option<f64>,
-    /// `σ1` (s/m).
-    pub sigma1_s_per_m: Option<f64>,
-    /// `σ2` (N·s/m).
-    pub sigma2_n_s_per_m: Option<f64>,
-    /// `μ_s`.
-    pub mu_s: Option<f64>,
-    /// `μ_k`.
-    pub mu_k: Option<f64>,
-    /// `v_s` (m/s).
-    pub v_s_m_per_s: Option<f64>,
-    /// `v_d` (m/s).
-    pub v_d_m_per_s: Option<f64>,
-    /// `δ`.
-    pub delta: Option<f64>,
-    /// Dahl's exponent.
-    pub exponent: Option<f64>,
-    /// Elastic share of the steady deflection.
-    pub breakaway: Option<f64>,
-}
-
-impl RigFriction {
-    /// Parameters given: name in results, key in the file, value.
-    #[must_use]
-    pub fn given(&self) -> Vec<(&'static str, &'static str, f64)> {
-        let all = [
-            ("sigma0", "sigma0_per_m", self.sigma0_per_m),
-            ("sigma1", "sigma1_s_per_m", self.sigma1_s_per_m),
-            ("sigma2", "sigma2_n_s_per_m", self.sigma2_n_s_per_m),
-            ("mu_s", "mu_s", self.mu_s),
-            ("mu_k", "mu_k", self.mu_k),
-            ("v_s", "v_s_m_per_s", self.v_s_m_per_s),
-            ("v_d", "v_d_m_per_s", self.v_d_m_per_s),
-            ("delta", "delta", self.delta),
-            ("exponent", "exponent", self.exponent),
-            ("breakaway", "breakaway", self.breakaway),
-        ];
-        all.into_iter().filter_map(|(name, key, value)| Some((name, key, value?))).collect()
-    }
+    /// Its parameters: names of the law with their units, `sigma0_per_m`.
+    pub parameters: BTreeMap<String, f64>,
 }
 
 /// A second support: a one-sided stop.
@@ -261,13 +217,50 @@ pub struct RigRuns {
     pub lubricated: Option<bool>,
 }
 
+/// The declared law with its parameters, all given, all in range.
+///
+/// # Errors
+/// What is wrong and what would mend it.
+pub(crate) fn declared_law(support: &RigSupport) -> Result<FrictionModel, String> {
+    let law = Law::from_name(&support.law).map_err(|error| error.to_string())?;
+    let keys: Vec<String> = law.parameters().iter().map(parameter_key).collect();
+    if let Some(unknown) = support.parameters.keys().find(|key| !keys.contains(key)) {
+        return Err(format!("no parameter {unknown}; {} has {}", support.law, keys.join(", ")));
+    }
+    let mut named = BTreeMap::new();
+    for (parameter, key) in law.parameters().iter().zip(&keys) {
+        let value = support
+            .parameters
+            .get(key)
+            .ok_or_else(|| format!("{key} is missing; allowed: {}", parameter.range))?;
+        named.insert(parameter.name.to_owned(), *value);
+    }
+    law.with_named(&named).map_err(|error| error.to_string())
+}
+
+/// Key of a law's parameter in a rig: its name and unit, `sigma0` in `1/m` is `sigma0_per_m`.
+#[must_use]
+pub fn parameter_key(parameter: &Parameter) -> String {
+    let words = |part: &str| part.replace('·', "_").replace('^', "").to_lowercase();
+    let mut key = parameter.name.to_lowercase();
+    let (above, below) = parameter.unit.split_once('/').map_or((parameter.unit, None), |(a, b)| (a, Some(b)));
+    if above != "1" {
+        key = format!("{key}_{}", words(above));
+    }
+    match below {
+        Some(below) => format!("{key}_per_{}", words(below)),
+        None => key,
+    }
+}
+
 /// Reads a rig.
 ///
 /// # Errors
 /// [`StudyError::Read`], [`StudyError::RigSyntax`] for an unknown key or a bare mistake, [`StudyError::RigValue`] for a value
 /// out of range.
 pub fn read_rig(path: &Path) -> Result<Rig, StudyError> {
-    let text = std::fs::read_to_string(path).map_err(|source| StudyError::Read { path: path.to_owned(), source })?;
+    let text =
+        std::fs::read_to_string(path).map_err(|source| StudyError::Read { path: path.to_owned(), source })?;
     parse_rig(&text, path)
 }
 
@@ -291,4 +284,4 @@ pub fn parse_rig(text: &str, path: &Path) -> Result<Rig, StudyError> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -180,10 +180,9 @@ fn effects_of_the_structure_change_the_record() {
     let (held, open) = (simulate(&rig(), &light, 0).unwrap(), simulate(&lifting, &light, 0).unwrap());
     let distance = line(&held.acceleration[1], 1) - line(&open.acceleration[1], 1);
     assert!(distance.norm() > 1e-4 * line(&held.acceleration[1], 1).norm());
-    assert!(
-        open.normal_force.iter().fold(f64::INFINITY, |m, &n| m.min(n)) > -2.0,
-        "ringing of the filter only"
-    );
+    let (low, high) = open.normal_force.iter().fold((0.0_f64, 0.0_f64), |(l, h), &n| (l.min(n), h.max(n)));
+    // The anti-alias filter rings by up to 9 % of a jump.
+    assert!(low > -0.1 * high, "{low} {high}");
 }
 
 #[test]

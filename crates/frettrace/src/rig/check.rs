@@ -53,13 +53,21 @@ fn modes(rig: &Rig) -> Checked {
     within("modes, number of values", count as f64, [1.0, 40.0])?;
     within("modes.declared", modes.declared as f64, [0.0, 20.0])?;
     modes.damping_ratio.iter().try_for_each(|&ratio| within("modes.damping_ratio", ratio, RATIO))?;
-    modes.natural_frequency_hz.iter().try_for_each(|&f| within("modes.natural_frequency_hz", f, [0.1, 1e5]))?;
+    modes
+        .natural_frequency_hz
+        .iter()
+        .try_for_each(|&f| within("modes.natural_frequency_hz", f, [0.1, 1e5]))?;
     within("modes.frequency_relative_std", modes.frequency_relative_std, [0.0, 0.1])?;
     within("modes.damping_relative_std", modes.damping_relative_std, [0.0, 1.0])
 }
 
 fn support(rig: &Rig) -> Checked {
     let support = &rig.support;
+    super::declared_law(support).map_err(|allowed| Problem {
+        place: "support.parameters".to_owned(),
+        found: format!("not a law {}", support.law),
+        allowed,
+    })?;
     let missing = |key: &str, allowed: &str| Problem {
         place: format!("support.{key}"),
         found: "missing".to_owned(),
@@ -67,16 +75,20 @@ fn support(rig: &Rig) -> Checked {
     };
     match support.slip {
         RigSlip::Rotation => {
-            let arm = support.lever_arm_m.ok_or_else(|| missing("lever_arm_m", "1e-5 to 1 for slip = \"rotation\""))?;
+            let arm = support
+                .lever_arm_m
+                .ok_or_else(|| missing("lever_arm_m", "1e-5 to 1 for slip = \"rotation\""))?;
             within("support.lever_arm_m", arm, [1e-5, 1.0])?;
             let stiffness = support
                 .normal_stiffness_n_per_m
                 .ok_or_else(|| missing("normal_stiffness_n_per_m", "1 to 1e12 for slip = \"rotation\""))?;
             within("support.normal_stiffness_n_per_m", stiffness, STIFFNESS)
         }
-        RigSlip::Transverse => {
-            within("support.normal_stiffness_n_per_m", support.normal_stiffness_n_per_m.unwrap_or(0.0), [0.0, 0.0])
-        }
+        RigSlip::Transverse => within(
+            "support.normal_stiffness_n_per_m",
+            support.normal_stiffness_n_per_m.unwrap_or(0.0),
+            [0.0, 0.0],
+        ),
     }
 }
 
@@ -100,9 +112,17 @@ fn sampling(rig: &Rig) -> Checked {
     for (index, run) in rig.runs.iter().enumerate() {
         let place = |key: &str| format!("run {}: {key}", index + 1);
         let highest = 0.2 * rig.sampling.rate_hz;
-        within(place("frequency_hz"), run.frequency_hz, [rig.sampling.rate_hz / rig.sampling.samples as f64, highest])?;
+        within(
+            place("frequency_hz"),
+            run.frequency_hz,
+            [rig.sampling.rate_hz / rig.sampling.samples as f64, highest],
+        )?;
         within(place("preload_n"), run.preload_n, [1e-3, 1e6])?;
-        within(place("force_amplitude_n, number of values"), run.force_amplitude_n.len() as f64, [1.0, 999.0])?;
+        within(
+            place("force_amplitude_n, number of values"),
+            run.force_amplitude_n.len() as f64,
+            [1.0, 999.0],
+        )?;
         for &force in &run.force_amplitude_n {
             within(place("force_amplitude_n"), force, [1e-6, 1e6])?;
         }
@@ -134,7 +154,11 @@ fn ranges(rig: &Rig, effect: &Effect) -> Vec<(&'static str, f64, [f64; 2])> {
             ("velocity_m_per_s", velocity_m_per_s, velocity),
         ],
         Effect::Ageing { gain, distance_m, time_s } => {
-            vec![("gain", gain, [0.0, 5.0]), ("distance_m", distance_m, [1e-9, 1.0]), ("time_s", time_s, period)]
+            vec![
+                ("gain", gain, [0.0, 5.0]),
+                ("distance_m", distance_m, [1e-9, 1.0]),
+                ("time_s", time_s, period),
+            ]
         }
         Effect::Asymmetry { share } => vec![("share", share, [-0.9, 0.9])],
         Effect::Breakaway { breakaway } => vec![("breakaway", breakaway, [0.0, 0.99])],
@@ -153,7 +177,9 @@ fn ranges(rig: &Rig, effect: &Effect) -> Vec<(&'static str, f64, [f64; 2])> {
         _ => ranges_beyond_friction(rig, effect),
     };
     list.extend(effect.position().map(|x| ("position_m", x, on_beam)));
-    list.extend(effect.sensor().map(|s| ("sensor", s as f64, [0.0, rig.sensors.position_m.len() as f64 - 1.0])));
+    list.extend(
+        effect.sensor().map(|s| ("sensor", s as f64, [0.0, rig.sensors.position_m.len() as f64 - 1.0])),
+    );
     list
 }
 

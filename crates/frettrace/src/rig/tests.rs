@@ -1,0 +1,102 @@
+use super::*;
+
+/// A rig that is right, for the tests of this crate.
+pub(crate) const RIG: &str = r#"
+title = "test rig"
+seed = 5
+
+[beam]
+length_m = 0.5
+width_m = 0.03
+thickness_m = 0.0075
+youngs_modulus_pa = 2.0e11
+density_kg_per_m3 = 7850.0
+
+[modes]
+damping_ratio = [0.02]
+
+[support]
+slip = "rotation"
+lever_arm_m = 0.0037
+normal_stiffness_n_per_m = 5.0e6
+law = "dahl"
+
+[support.parameters]
+sigma0_per_m = 5.0e5
+mu_k = 0.25
+exponent = 1.0
+
+[exciter]
+position_m = 0.23
+
+[sensors]
+position_m = [0.1, 0.31, 0.46]
+noise_std_m_per_s2 = 0.05
+
+[sampling]
+rate_hz = 8192.0
+samples = 1024
+
+[[run]]
+frequency_hz = 104.0
+preload_n = 70.0
+force_amplitude_n = [1.0, 8.0]
+"#;
+
+fn parse(text: &str) -> Result<Rig, StudyError> {
+    parse_rig(text, Path::new("RIG.toml"))
+}
+
+#[test]
+fn a_right_rig_is_read() {
+    let rig = parse(RIG).unwrap();
+    assert_eq!(rig.runs[0].force_amplitude_n, [1.0, 8.0]);
+    assert_eq!(rig.modes.declared, 6);
+    assert_eq!(rig.clamp.rotational_stiffness_n_m_per_rad, f64::INFINITY);
+}
+
+#[test]
+fn bare_mistakes_are_refused_in_one_line() {
+    let cases = [
+        ("length_m = 0.5", "length = 0.5", "RIG.toml: line 6: unknown field `length`"),
+        ("length_m = 0.5", "length_m = 500.0", "RIG.toml: beam.length_m is 500; allowed: 0.01 to 100"),
+        ("exponent = 1.0", "exponent = -1.0", "exponent"),
+        ("mu_k = 0.25", "mu = 0.25", "no parameter mu; dahl has sigma0_per_m, mu_k, exponent"),
+        ("mu_k = 0.25\n", "", "mu_k is missing"),
+        ("law = \"dahl\"", "law = \"dhal\"", "dhal"),
+        ("lever_arm_m = 0.0037\n", "", "support.lever_arm_m is missing"),
+        ("position_m = 0.23", "position_m = 0.53", "exciter.position_m is 0.53; allowed: 0 to 0.5"),
+        ("preload_n = 70.0", "preload_n = -70.0", "run 1: preload_n is -70; allowed: 0.001 to 1000000"),
+        ("title = \"test rig\"", "title = test rig", "RIG.toml: line 2:"),
+    ];
+    for (right, wrong, expected) in cases {
+        let message = parse(&RIG.replace(right, wrong)).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+        assert_eq!(message.lines().count(), 1, "{message}");
+    }
+}
+
+#[test]
+fn effects_are_read_by_id_with_their_own_keys() {
+    let with = |effect: &str| parse(&format!("{RIG}\n[[effect]]\n{effect}"));
+    let rig = with("id = \"structure.added-mass\"\nposition_m = 0.2\nmass_kg = 0.01").unwrap();
+    assert_eq!(rig.effects, [Effect::AddedMass { position_m: 0.2, mass_kg: 0.01 }]);
+    assert_eq!(rig.effects[0].id(), "structure.added-mass");
+    assert_eq!(with("id = \"contact.lift-off\"").unwrap().effects, [Effect::LiftOff]);
+    let wrong = [
+        (
+            "id = \"structure.added-mass\"\nposition_m = 0.7\nmass_kg = 0.01",
+            "effect 1 (structure.added-mass): position_m",
+        ),
+        (
+            "id = \"measurement.gain\"\nsensor = 3\nfactor = 1.1",
+            "effect 1 (measurement.gain): sensor is 3; allowed: 0 to 2",
+        ),
+        ("id = \"friction.magic\"", "unknown variant `friction.magic`"),
+        ("id = \"measurement.gain\"\nsensor = 1\nfactor = 1.1\nphase = 2", "unknown field `phase`"),
+    ];
+    for (text, expected) in wrong {
+        let message = with(text).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+    }
+}

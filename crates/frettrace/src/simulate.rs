@@ -1,0 +1,369 @@
+//! A rig to a measurement file and what only the simulation knows.
+
+mod law;
+
+use std::f64::consts::TAU;
+
+use frettrace_beam::{Boundary, ModalModel, ModalOptions, UniformBeam};
+use frettrace_forward::march::{Characteristic, Modulation, Settling};
+use frettrace_forward::simulate as forward;
+use frettrace_forward::simulate::{Attached, Chain, SimulatedRecord, SimulatedRig, SimulatedRun};
+use frettrace_measurement::{
+    Beam, Exciter, MeasuredModes, Measurement, Run, RunTruth, SecondSupport, Sensors, SlipKind, Source,
+    Support, Truth,
+};
+use rand::{RngExt, SeedableRng};
+use rand_distr::StandardNormal;
+use rayon::prelude::*;
+
+use crate::rig::{Effect, Rig, RigRuns, RigSlip};
+use crate::{Progress, StudyError};
+
+/// What `simulate` makes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Simulation {
+    /// What the file declares and the channels.
+    pub measurement: Measurement,
+    /// What only the simulation knows.
+    pub truth: Truth,
+    /// For each run whether it had settled when it was recorded.
+    pub settled: Vec<Settling>,
+}
+
+/// Modes marched; the inverse and the harmonic balance use other numbers.
+const MODES: usize = 72;
+/// Fine steps: at least this many a second, so that the hold's error `(ωΔt)²/12` stays below 1e-5 up to 400 Hz.
+const FINE_RATE: f64 = 120_000.0;
+
+/// Marches every run of the rig, in parallel.
+///
+/// # Errors
+/// [`StudyError`] where the beam cannot be computed or an effect does not fit the law.
+pub fn simulate(rig: &Rig, progress: &Progress) -> Result<Simulation, StudyError> {
+    let simulated = simulated_rig(rig)?;
+    let runs = simulated_runs(rig);
+    progress.start(runs.len() as u64, "marching");
+    let records = runs
+        .par_iter()
+        .enumerate()
+        .map(|(index, (_, run))| {
+            let record = forward::simulate(&simulated, run, index as u64);
+            progress.step();
+            record
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    progress.finish();
+    let settled = records.iter().map(|record| record.settling).collect();
+    let truth = truth(rig, &records);
+    Ok(Simulation { measurement: measurement(rig, &runs, records)?, truth, settled })
+}
+
+fn beam(rig: &Rig) -> UniformBeam {
+    let b = &rig.beam;
+    let area = b.area_m2.unwrap_or(b.width_m * b.thickness_m);
+    let second_moment = b.second_moment_m4.unwrap_or(b.width_m * b.thickness_m.powi(3) / 12.0);
+    UniformBeam {
+        length: b.length_m,
+        bending_stiffness: b.youngs_modulus_pa * second_moment,
+        mass_per_length: b.density_kg_per_m3 * area,
+    }
+}
+
+fn boundary(rig: &Rig) -> Boundary {
+    Boundary {
+        clamp_rotational_stiffness: rig.clamp.rotational_stiffness_n_m_per_rad,
+        support_stiffness: rig.support.normal_stiffness_n_per_m.unwrap_or(0.0),
+        support_rotational_stiffness: 0.0,
+    }
+}
+
+/// Natural frequencies (rad/s) and damping ratios of the structure as it is declared, the first `count`.
+fn declared_modes(rig: &Rig, boundary: &Boundary, count: usize) -> Result<[Vec<f64>; 2], StudyError> {
+    let options = ModalOptions {
+        modes: count.max(rig.modes.natural_frequency_hz.len()).max(rig.modes.damping_ratio.len()),
+        natural_frequency: rig.modes.natural_frequency_hz.iter().map(|f| TAU * f).collect(),
+        damping_ratio: rig.modes.damping_ratio.clone(),
+        ..ModalOptions::default()
+    };
+    let model = ModalModel::new(&beam(rig), boundary, &options)?;
+    Ok([model.natural_frequency()[..count].to_vec(), model.damping_ratio()[..count].to_vec()])
+}
+
+/// The rig with all its effects.
+fn simulated_rig(rig: &Rig) -> Result<SimulatedRig, StudyError> {
+    let count = rig.modes.declared.max(20);
+    let [natural_frequency, damping_ratio] = declared_modes(rig, &boundary(rig), count)?;
+    let chain = Chain {
+        noise: rig.sensors.noise_std_m_per_s2,
+        noise_correlation: rig.sensors.noise_correlation,
+        ..Chain::default()
+    };
+    let sensor = |&position: &f64| forward::SimulatedSensor { position, chain: chain.clone() };
+    let oversampling = (FINE_RATE / rig.sampling.rate_hz).ceil().max(1.0) as usize;
+    let mut simulated = SimulatedRig {
+        beam: beam(rig),
+        boundary: boundary(rig),
+        modes: MODES,
+        natural_frequency,
+        damping_ratio,
+        slip: match rig.support.slip {
+            RigSlip::Rotation => {
+                forward::Slip::Rotation { lever_arm: rig.support.lever_arm_m.unwrap_or_default() }
+            }
+            RigSlip::Transverse => forward::Slip::Transverse,
+        },
+        normal: forward::NormalContact::default(),
+        law: law::true_law(rig)?,
+        exciter: rig.exciter.position_m,
+        sensors: rig.sensors.position_m.iter().map(sensor).collect(),
+        attached: Vec::new(),
+        second_support: None,
+        base: None,
+        sampling: forward::Sampling {
+            rate: rig.sampling.rate_hz,
+            samples: rig.sampling.samples,
+            oversampling,
+        },
+        seed: rig.seed,
+    };
+    if let Some(second) = &rig.second_support {
+        simulated.second_support = Some(0);
+        let stop = Characteristic::Stop { stiffness: second.stiffness_n_per_m, gap: second.gap_m };
+        simulated.attached.push((second.position_m, Attached::Load(stop)));
+    }
+    for effect in &rig.effects {
+        structure_effect(rig, effect, &mut simulated)?;
+        channel_effect(effect, &mut simulated);
+    }
+    Ok(simulated)
+}
+
+/// Effects of the structure, the normal contact and the base.
+fn structure_effect(rig: &Rig, effect: &Effect, simulated: &mut SimulatedRig) -> Result<(), StudyError> {
+    let load = |characteristic| Attached::Load(characteristic);
+    let attached = match *effect {
+        Effect::CubicStiffness { position_m, stiffness_n_per_m3 } => {
+            Some((position_m, load(Characteristic::CubicSpring(stiffness_n_per_m3))))
+        }
+        Effect::QuadraticDamping { position_m, damping_n_s2_per_m2 } => {
+            Some((position_m, load(Characteristic::QuadraticDashpot(damping_n_s2_per_m2))))
+        }
+        Effect::AddedMass { position_m, mass_kg } => Some((position_m, Attached::Mass(mass_kg))),
+        Effect::SecondSupport { position_m, stiffness_n_per_m, gap_m } => {
+            Some((position_m, load(Characteristic::Stop { stiffness: stiffness_n_per_m, gap: gap_m })))
+        }
+        Effect::LiftOff => {
+            simulated.normal.lifts_off = true;
+            None
+        }
+        Effect::NormalStiffening { cubic_n_per_m3 } => {
+            simulated.normal.cubic = cubic_n_per_m3;
+            None
+        }
+        Effect::BaseMotion { acceleration_m_per_s2, frequency_ratio, phase_rad } => {
+            simulated.base = Some(forward::BaseMotion {
+                acceleration: acceleration_m_per_s2,
+                frequency_ratio,
+                phase: phase_rad,
+            });
+            None
+        }
+        Effect::ModalFrequency { mode, relative_change } => {
+            simulated.natural_frequency[mode - 1] *= 1.0 + relative_change;
+            None
+        }
+        Effect::ModalDamping { mode, relative_change } => {
+            simulated.damping_ratio[mode - 1] *= 1.0 + relative_change;
+            None
+        }
+        Effect::ClampCompliance { rotational_stiffness_n_m_per_rad } => {
+            soften_clamp(rig, rotational_stiffness_n_m_per_rad, simulated)?;
+            None
+        }
+        _ => None,
+    };
+    simulated.attached.extend(attached);
+    Ok(())
+}
+
+/// A turning clamp changes shapes and frequencies; given frequencies move by the beam's own ratio.
+fn soften_clamp(rig: &Rig, stiffness: f64, simulated: &mut SimulatedRig) -> Result<(), StudyError> {
+    let soft = Boundary { clamp_rotational_stiffness: stiffness, ..boundary(rig) };
+    let count = simulated.natural_frequency.len();
+    let options = ModalOptions { modes: count, ..ModalOptions::default() };
+    let plain = ModalModel::new(&simulated.beam, &boundary(rig), &options)?;
+    let turned = ModalModel::new(&simulated.beam, &soft, &options)?;
+    for (mode, frequency) in simulated.natural_frequency.iter_mut().enumerate() {
+        *frequency *= turned.natural_frequency()[mode] / plain.natural_frequency()[mode];
+    }
+    simulated.boundary = soft;
+    Ok(())
+}
+
+/// Effects of one measuring chain.
+fn channel_effect(effect: &Effect, simulated: &mut SimulatedRig) {
+    let Some(sensor) = effect.sensor().and_then(|index| simulated.sensors.get_mut(index)) else { return };
+    let chain = &mut sensor.chain;
+    match *effect {
+        Effect::Gain { factor, .. } => chain.gain = factor,
+        Effect::Delay { delay_s, .. } => chain.delay = delay_s,
+        Effect::Hum { amplitude_m_per_s2, frequency_hz, .. } => {
+            chain.hum =
+                Some(forward::Hum { amplitude: amplitude_m_per_s2, frequency: frequency_hz, phase: 0.0 });
+        }
+        Effect::Clipping { limit_m_per_s2, .. } => chain.limit = limit_m_per_s2,
+        Effect::SensorPosition { shift_m, .. } => sensor.position += shift_m,
+        Effect::Dropout { start_share, length_share, .. } => {
+            chain.dropouts.push([start_share, start_share + length_share]);
+        }
+        Effect::Offset { offset_m_per_s2, .. } => chain.offset = offset_m_per_s2,
+        _ => {}
+    }
+}
+
+/// One simulated run for every amplitude of every table.
+fn simulated_runs(rig: &Rig) -> Vec<(&RigRuns, SimulatedRun)> {
+    let all: Vec<(&RigRuns, f64)> =
+        rig.runs.iter().flat_map(|runs| runs.force_amplitude_n.iter().map(move |&f| (runs, f))).collect();
+    let last = all.len().saturating_sub(1).max(1) as f64;
+    let one = |(index, (runs, force_amplitude)): (usize, (_, f64))| -> (&RigRuns, SimulatedRun) {
+        let runs: &RigRuns = runs;
+        let progress = index as f64 / last;
+        let omega = TAU * runs.frequency_hz;
+        let mut run = SimulatedRun {
+            force_amplitude,
+            omega,
+            preload: runs.preload_n,
+            modulation: None,
+            frequency_factor: 1.0,
+            progress,
+        };
+        for effect in &rig.effects {
+            match *effect {
+                Effect::FrequencyDrift { relative_change } => {
+                    run.frequency_factor += relative_change * progress
+                }
+                Effect::PreloadModulation { share, frequency_ratio, phase_rad } => {
+                    run.modulation =
+                        Some(Modulation { share, omega: frequency_ratio * omega, phase: phase_rad });
+                }
+                _ => {}
+            }
+        }
+        (runs, run)
+    };
+    all.into_iter().enumerate().map(one).collect()
+}
+
+/// Modes as a modal test would give them: true values of the declared structure with errors of the stated size.
+fn measured_modes(rig: &Rig) -> Result<Option<MeasuredModes>, StudyError> {
+    if rig.modes.declared == 0 {
+        return Ok(None);
+    }
+    let [frequency, ratio] = declared_modes(rig, &boundary(rig), rig.modes.declared)?;
+    // Another stream than the runs': they are seeded with multiples of the seed plus their number.
+    let mut random = rand_pcg::Pcg64::seed_from_u64(!rig.seed);
+    let mut measure = |values: Vec<f64>, relative: f64, unit: f64| -> (Vec<f64>, Vec<f64>) {
+        let std: Vec<f64> = values.iter().map(|v| relative * v / unit).collect();
+        let read = values.iter().zip(&std).map(|(v, s)| {
+            let error: f64 = random.sample(StandardNormal);
+            v / unit + s * error
+        });
+        (read.collect(), std)
+    };
+    let (frequency, frequency_std) = measure(frequency, rig.modes.frequency_relative_std, TAU);
+    let (damping_ratio, damping_ratio_std) = measure(ratio, rig.modes.damping_relative_std, 1.0);
+    Ok(Some(MeasuredModes { frequency, frequency_std, damping_ratio, damping_ratio_std }))
+}
+
+fn measurement(
+    rig: &Rig,
+    runs: &[(&RigRuns, SimulatedRun)],
+    records: Vec<SimulatedRecord>,
+) -> Result<Measurement, StudyError> {
+    let b = &rig.beam;
+    let noise = rig.sensors.noise_std_m_per_s2;
+    Ok(Measurement {
+        title: rig.title.clone(),
+        source: Source::Simulated,
+        beam: Beam {
+            length: b.length_m,
+            width: b.width_m,
+            thickness: b.thickness_m,
+            youngs_modulus: b.youngs_modulus_pa,
+            density: b.density_kg_per_m3,
+            area: b.area_m2,
+            second_moment: b.second_moment_m4,
+        },
+        modes: measured_modes(rig)?,
+        support: Support {
+            position: b.length_m,
+            slip: match rig.support.slip {
+                RigSlip::Rotation => SlipKind::Rotation,
+                RigSlip::Transverse => SlipKind::Transverse,
+            },
+            lever_arm: rig.support.lever_arm_m.unwrap_or_default(),
+            normal_stiffness: rig.support.normal_stiffness_n_per_m.unwrap_or_default(),
+            law: rig.support.law.clone(),
+        },
+        second_support: rig.second_support.as_ref().map(|s| SecondSupport { position: s.position_m }),
+        exciter: Exciter { position: rig.exciter.position_m },
+        sensors: Sensors {
+            position: rig.sensors.position_m.clone(),
+            noise_std: (noise > 0.0).then(|| vec![noise; rig.sensors.position_m.len()]),
+            name: None,
+        },
+        runs: runs
+            .iter()
+            .zip(records)
+            .enumerate()
+            .map(|(index, run)| measured_run(rig, index, run))
+            .collect(),
+    })
+}
+
+fn measured_run(
+    rig: &Rig,
+    index: usize,
+    ((runs, run), record): (&(&RigRuns, SimulatedRun), SimulatedRecord),
+) -> Run {
+    Run {
+        id: run_id(index),
+        label: format!("{} N", run.force_amplitude),
+        sampling_rate: rig.sampling.rate_hz,
+        excitation_frequency: runs.frequency_hz,
+        preload: runs.preload_n,
+        lubricated: runs.lubricated,
+        temperature: None,
+        acceleration: record.acceleration,
+        force: record.force,
+    }
+}
+
+fn run_id(index: usize) -> String {
+    format!("{:04}", index + 1)
+}
+
+fn truth(rig: &Rig, records: &[SimulatedRecord]) -> Truth {
+    let mut numbers: Vec<(String, f64)> =
+        rig.support.parameters.iter().map(|(key, value)| (key.clone(), *value)).collect();
+    let mut words = vec![("law".to_owned(), rig.support.law.clone())];
+    for effect in &rig.effects {
+        numbers.extend(effect.position().map(|x| (format!("{}.position_m", effect.id()), x)));
+        numbers.extend(effect.sensor().map(|s| (format!("{}.sensor", effect.id()), s as f64)));
+    }
+    let ids: Vec<&str> = rig.effects.iter().map(Effect::id).collect();
+    words.push(("effect".to_owned(), if ids.is_empty() { "none".to_owned() } else { ids.join(" ") }));
+    let run = |(index, record): (usize, &SimulatedRecord)| RunTruth {
+        id: run_id(index),
+        friction_force: record.friction_force.clone(),
+        normal_force: record.normal_force.clone(),
+        slip_displacement: record.slip.clone(),
+        slip_velocity: record.slip_velocity.clone(),
+        second_support_force: record.second_support_force.clone(),
+    };
+    Truth { numbers, words, runs: records.iter().enumerate().map(run).collect() }
+}
+
+#[cfg(test)]
+mod tests;

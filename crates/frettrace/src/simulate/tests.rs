@@ -1,0 +1,109 @@
+use std::path::Path;
+
+use frettrace_measurement::{read_measurement, write_measurement};
+
+use super::*;
+use crate::rig::{parse_rig, tests::RIG};
+
+fn rig(effect: &str) -> Rig {
+    parse_rig(&format!("{RIG}\n{effect}"), Path::new("RIG.toml")).unwrap()
+}
+
+#[test]
+fn a_simulated_file_is_read_back() {
+    let simulation = simulate(&rig(""), &Progress::silent()).unwrap();
+    assert_eq!(simulation.measurement.runs.len(), 2);
+    assert_eq!(simulation.measurement.runs[1].acceleration.len(), 3);
+    assert_eq!(simulation.truth.runs[1].friction_force.len(), 1024);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rig.h5");
+    write_measurement(&path, &simulation.measurement, Some(&simulation.truth)).unwrap();
+    let read = read_measurement(&path).unwrap();
+    assert_eq!(read.support, simulation.measurement.support);
+    assert_eq!(read.modes, simulation.measurement.modes);
+    assert_eq!(read.runs[0].id, "0001");
+}
+
+#[test]
+fn declared_modes_have_errors_of_the_stated_size() {
+    let exact = declared_modes(&rig(""), &boundary(&rig("")), 6).unwrap();
+    let modes = simulate(&rig(""), &Progress::silent()).unwrap().measurement.modes.unwrap();
+    for ((found, std), omega) in modes.frequency.iter().zip(&modes.frequency_std).zip(&exact[0]) {
+        let deviation = (found - omega / TAU).abs() / std;
+        assert!(deviation < 4.0 && deviation > 0.0, "{deviation}");
+        assert!((std / found - 1e-5).abs() < 1e-9);
+    }
+}
+
+/// Every effect can be simulated and changes what it should: the measured channels or, for those of the contact, the force.
+#[test]
+fn every_effect_changes_the_record() {
+    let effects = [
+        "friction.stribeck\"\nmu_s = 0.4\nv_s_m_per_s = 0.002\ndelta = 2.0",
+        "friction.viscous\"\nsigma2_n_s_per_m = 100.0",
+        "friction.lag\"\ntime_s = 1e-3\nmu_s = 0.4\nv_s_m_per_s = 0.002\ndelta = 2.0",
+        "friction.film\"\nloss = 0.4\nrise_time_s = 1e-3\nfall_time_s = 2e-3\nvelocity_m_per_s = 0.01",
+        "friction.ageing\"\ngain = 0.2\ndistance_m = 1e-6\ntime_s = 1e-3",
+        "friction.asymmetry\"\nshare = 0.2",
+        "friction.breakaway\"\nbreakaway = 0.6",
+        "friction.exponent\"\nexponent = 0.5",
+        "friction.presliding-damping\"\nsigma1_s_per_m = 50.0\nv_d_m_per_s = 0.01",
+        "friction.position\"\nslope_per_m = 1e4",
+        "friction.position-periodic\"\nshare = 0.2\nwavelength_m = 5e-6",
+        "friction.normal-dependence\"\nexponent = 0.2",
+        "friction.wear\"\nrelative_change = 0.2",
+        "contact.lift-off\"",
+        "contact.normal-stiffening\"\ncubic_n_per_m3 = 1e15",
+        "contact.tangential-stiffness\"\nseries_stiffness_n_per_m = 1e7",
+        "contact.backlash\"\nhalf_play_m = 1e-6",
+        "structure.cubic-stiffness\"\nposition_m = 0.3\nstiffness_n_per_m3 = 1e10",
+        "structure.quadratic-damping\"\nposition_m = 0.3\ndamping_n_s2_per_m2 = 20.0",
+        "structure.clamp-compliance\"\nrotational_stiffness_n_m_per_rad = 2e4",
+        "structure.added-mass\"\nposition_m = 0.3\nmass_kg = 0.01",
+        "structure.second-support\"\nposition_m = 0.3\nstiffness_n_per_m = 1e5",
+        "structure.modal-frequency\"\nmode = 1\nrelative_change = 0.01",
+        "structure.modal-damping\"\nmode = 1\nrelative_change = 0.3",
+        "structure.frequency-drift\"\nrelative_change = 0.01",
+        "excitation.preload-modulation\"\nshare = 0.3\nfrequency_ratio = 1.0\nphase_rad = 0.0",
+        "excitation.base-motion\"\nacceleration_m_per_s2 = 1.0\nfrequency_ratio = 1.0\nphase_rad = 0.0",
+        "measurement.gain\"\nsensor = 1\nfactor = 1.1",
+        "measurement.delay\"\nsensor = 1\ndelay_s = 1e-4",
+        "measurement.hum\"\nsensor = 1\namplitude_m_per_s2 = 1.0\nfrequency_hz = 50.0",
+        "measurement.clipping\"\nsensor = 1\nlimit_m_per_s2 = 20.0",
+        "measurement.position\"\nsensor = 1\nshift_m = 0.01",
+        "measurement.dropout\"\nsensor = 1\nstart_share = 0.2\nlength_share = 0.1",
+        "measurement.offset\"\nsensor = 1\noffset_m_per_s2 = 0.5",
+    ];
+    let last = |effect: &str| {
+        let mut made = simulate(&rig(effect), &Progress::silent()).unwrap();
+        (made.measurement.runs.swap_remove(1).acceleration.swap_remove(1), made.truth)
+    };
+    let (plain, _) = last("");
+    for effect in effects {
+        let (changed, truth) = last(&format!("[[effect]]\nid = \"{effect}"));
+        let distance: f64 = plain.iter().zip(&changed).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / 1024.0;
+        let (id, _) = effect.split_once('"').unwrap();
+        assert!(truth.words.contains(&("effect".to_owned(), id.to_owned())));
+        if id == "contact.lift-off" {
+            // The preload of 70 N exceeds the dynamic load of 56 N: nothing opens.
+            assert!(distance.sqrt() < 1e-3, "{id}: {}", distance.sqrt());
+        } else {
+            // Noise is the same; the signal is 180 m/s² rms.
+            assert!(distance.sqrt() > 0.05, "{id}: {}", distance.sqrt());
+            assert!(changed.iter().all(|x| x.is_finite()), "{id}");
+        }
+    }
+}
+
+#[test]
+fn a_friction_effect_needs_a_bristle() {
+    let coulomb = RIG
+        .replace("law = \"dahl\"", "law = \"coulomb\"")
+        .replace("sigma0_per_m = 5.0e5\n", "")
+        .replace("exponent = 1.0\n", "");
+    let plain = parse_rig(&coulomb, Path::new("RIG.toml")).unwrap();
+    assert!(simulate(&plain, &Progress::silent()).is_ok());
+    let text = format!("{coulomb}\n[[effect]]\nid = \"friction.asymmetry\"\nshare = 0.1");
+    let refused = simulate(&parse_rig(&text, Path::new("RIG.toml")).unwrap(), &Progress::silent());
+    assert!(matches!(refused, Err(StudyError::EffectOnLaw { effect: "friction.asymmetry", .. })));
+}
