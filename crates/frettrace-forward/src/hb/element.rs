@@ -1,9 +1,7 @@
 //! A contact law over one period: values, and partial derivatives step by step from dual numbers.
 
 use super::contact::{ContactLaw, Family, STATE_LIMIT};
-use frettrace_friction::{Scalar, Step};
-use nalgebra::{Const, U1};
-use num_dual::{DualSVec64, DualStruct};
+use frettrace_friction::{Gradient, Scalar, Step};
 
 /// Inputs of a step besides the state: slip, velocity and normal force, each at the old and the new sample.
 pub(super) const INPUTS: usize = 6;
@@ -116,7 +114,7 @@ impl<F: Family> Element for F {
             let step = motion.virgin(seeded(motion.slip[0], 0), seeded(motion.normal[0], 1));
             let (state, _) = law.step(law.rest(), &step);
             for (row, z) in rows.chunks_exact_mut(width).zip(state.as_ref()) {
-                for (slot, d) in row[first..].iter_mut().zip(gradient(z)) {
+                for (slot, d) in row[first..].iter_mut().zip(z.slopes) {
                     *slot = d;
                 }
             }
@@ -169,7 +167,7 @@ impl<F: Family> Element for F {
                 let (new, force) = law.step(state, &motion.step(k));
                 let block = &mut rows[(k - 1) * (m + o) * p..k * (m + o) * p];
                 for (row, z) in block.chunks_exact_mut(p).zip(new.as_ref().iter().chain(&force[..o])) {
-                    for (slot, d) in row[first..].iter_mut().zip(gradient(z)) {
+                    for (slot, d) in row[first..].iter_mut().zip(z.slopes) {
                         *slot = d;
                     }
                 }
@@ -179,16 +177,11 @@ impl<F: Family> Element for F {
 }
 
 /// A dual number; `index` says which derivative part is 1, none where it lies outside.
-fn seed<const W: usize>(value: f64, index: Option<usize>) -> DualSVec64<W> {
-    let number = DualSVec64::<W>::from(value);
+fn seed<const W: usize>(value: f64, index: Option<usize>) -> Gradient<W> {
     match index {
-        Some(index) if index < W => number.derivative(index),
-        _ => number,
+        Some(index) if index < W => Gradient::variable(value, index),
+        _ => Gradient::constant(value),
     }
-}
-
-fn gradient<const W: usize>(number: &DualSVec64<W>) -> [f64; W] {
-    number.eps.unwrap_generic(Const::<W>, U1).into()
 }
 
 fn meets(old: &[f64], new: &[f64]) -> bool {
@@ -201,8 +194,8 @@ fn linearise<const W: usize, F: Family>(
     orbit: &mut Orbit,
     partials: &mut Partials,
 ) {
-    let parameters: Vec<DualSVec64<W>> =
-        Family::parameters(family).iter().map(|&x| DualSVec64::from(x)).collect();
+    let parameters: Vec<Gradient<W>> =
+        Family::parameters(family).iter().map(|&x| Gradient::constant(x)).collect();
     let law = family.law(&parameters);
     let mut state = law.rest();
     let (m, o) = (state.as_ref().len(), Element::forces(family));
@@ -224,15 +217,15 @@ fn linearise<const W: usize, F: Family>(
         };
         let (new, force) = law.step(state, &step);
         for (slot, z) in after.iter_mut().zip(new.as_ref()) {
-            *slot = z.re();
+            *slot = z.re;
         }
         let at = if k == samples { 0 } else { k };
         for (slot, f) in orbit.forces[at * o..].iter_mut().zip(&force[..o]) {
-            *slot = f.re();
+            *slot = f.re;
         }
         let block = &mut partials.rows[(k - 1) * (m + o) * width..k * (m + o) * width];
         for (row, z) in block.chunks_exact_mut(width).zip(new.as_ref().iter().chain(&force[..o])) {
-            row.copy_from_slice(&gradient(z)[..width]);
+            row.copy_from_slice(&z.slopes[..width]);
         }
     }
 }

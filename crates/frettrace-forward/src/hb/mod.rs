@@ -9,6 +9,7 @@
 //! The states of the laws are periodic to rounding, whether they fade or not, and the Jacobian is the exact one of the
 //! sampled balance: partials of each step from dual numbers, chained through the period.
 
+mod adaptive;
 mod bordered;
 mod chain;
 mod contact;
@@ -28,6 +29,7 @@ mod tangent;
 #[cfg(test)]
 mod tests;
 
+pub use adaptive::{Accuracy, Adapted, AdaptiveSolver};
 pub use contact::{Contact, ContactLaw, Family, Friction, Normal, STATE_LIMIT};
 pub use continuation::{Curve, Point, Sweep, SweepStatus};
 pub use element::{Element, Motion, Orbit, Partials};
