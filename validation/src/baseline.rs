@@ -56,7 +56,7 @@ mod tests {
             quantity: "a, with a comma".into(),
             unit: "1",
             source: "made",
-            expected: 1.0,
+            expected: Some(1.0),
             found,
             tolerance: 0.1,
             reason: "made",

@@ -9,11 +9,11 @@ pub struct Row {
     pub unit: &'static str,
     /// Where the expected value comes from.
     pub source: &'static str,
-    /// Expected value.
-    pub expected: f64,
+    /// Expected value; `None` for a quantity that is reported, with nothing known before to compare it with.
+    pub expected: Option<f64>,
     /// Found value.
     pub found: f64,
-    /// Largest difference allowed.
+    /// Largest difference allowed; for a reported quantity what change would matter.
     pub tolerance: f64,
     /// Why that much.
     pub reason: &'static str,
@@ -23,7 +23,10 @@ impl Row {
     /// Whether the difference is allowed; an undefined number never is.
     #[must_use]
     pub fn passes(&self) -> bool {
-        (self.found - self.expected).abs() <= self.tolerance
+        match self.expected {
+            Some(expected) => (self.found - expected).abs() <= self.tolerance,
+            None => self.found.is_finite(),
+        }
     }
 }
 

@@ -12,12 +12,12 @@ pub fn markdown(results: &[(&str, Vec<Row>)], skipped: &[(&str, String)]) -> Str
     for (case, rows) in results {
         for row in rows {
             text += &format!(
-                "| {case} | {} | {} | {} | {} | {:.1e} | {:.1e} | {} |\n",
+                "| {case} | {} | {} | {} | {} | {} | {:.1e} | {} |\n",
                 row.quantity,
                 row.unit,
-                short(row.expected),
+                row.expected.map_or("–".into(), short),
                 short(row.found),
-                row.found - row.expected,
+                row.expected.map_or("–".into(), |expected| format!("{:.1e}", row.found - expected)),
                 row.tolerance,
                 if row.passes() { "✓" } else { "✗" }
             );

@@ -21,7 +21,7 @@ fn run() -> anyhow::Result<Outcome> {
                 quantity: format!("wavenumber {} with {end}", index + 1),
                 unit: "1",
                 source: "characteristic equation",
-                expected: root,
+                expected: Some(root),
                 found: shape.wavenumber(),
                 tolerance: 1e-9,
                 reason: "the roots are given to ten digits",

@@ -1,0 +1,88 @@
+//! Contact records of other laboratories: the declared law identified on some runs, judged on others.
+
+use crate::case::{Case, Outcome, Row};
+use frettrace::{
+    Progress,
+    identify::{IdentifyOptions, identify},
+};
+use frettrace_measurement::convert;
+use std::path::{Path, PathBuf};
+
+/// Banded rotary friction damper.
+pub const FRICTION_DAMPER: Case = Case { name: "validate_friction_damper", run: friction_damper };
+/// Reciprocating tribometer.
+pub const TRIBOMETER: Case = Case { name: "validate_tribometer", run: tribometer };
+/// Pneumatic piston seals.
+pub const PISTON_SEALS: Case = Case { name: "validate_piston_seals", run: piston_seals };
+/// Magneto-rheological damper.
+pub const MR_DAMPER: Case = Case { name: "validate_mr_damper", run: mr_damper };
+
+fn friction_damper() -> anyhow::Result<Outcome> {
+    measured("coble_2022_friction_damper", &["convert_20lb", "convert_30lb", "convert_80lb"])
+}
+
+fn tribometer() -> anyhow::Result<Outcome> {
+    measured("christopherson_2021_tribometer", &["convert"])
+}
+
+fn piston_seals() -> anyhow::Result<Outcome> {
+    measured("zillen_2021_piston_seals", &["convert_o_ring", "convert_x_ring"])
+}
+
+fn mr_damper() -> anyhow::Result<Outcome> {
+    measured("vargas_2021_mr_damper", &["convert"])
+}
+
+/// Where outside data lie: `FRETTRACE_DATA`, or beside the repository.
+fn data() -> PathBuf {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/measured");
+    std::env::var_os("FRETTRACE_DATA").map_or(beside, PathBuf::from)
+}
+
+fn measured(set: &str, descriptions: &[&str]) -> anyhow::Result<Outcome> {
+    let data = data();
+    if !data.is_dir() {
+        return Ok(Outcome::Skipped(
+            "the data of others are absent; set FRETTRACE_DATA (see data/README.md)".into(),
+        ));
+    }
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data").join(set);
+    let mut rows = Vec::new();
+    for description in descriptions {
+        let path = folder.join(description).with_extension("toml");
+        rows.extend(judged(&data, &path, description.trim_start_matches("convert").trim_start_matches('_'))?);
+    }
+    Ok(Outcome::Ran(rows))
+}
+
+fn judged(data: &Path, description: &Path, name: &str) -> anyhow::Result<Vec<Row>> {
+    let recording = convert(&[data.to_owned()], description)?.recording;
+    let found = identify(&recording, &IdentifyOptions::default(), &Progress::silent())?;
+    let label = |quantity: &str| format!("{} {name}: {quantity}", found.law).replace(" :", ":");
+    let reported = |quantity: &str, value: f64| Row {
+        quantity: label(quantity),
+        unit: "1",
+        source: "none",
+        expected: None,
+        found: value,
+        tolerance: 0.2 * value,
+        reason: "a change of a fiftieth would be news",
+    };
+    let training = found.error.force.unwrap_or(f64::NAN);
+    let mut rows = vec![
+        reported("noise floor from repeats", found.error.noise_floor),
+        reported("error on fitted runs", training),
+    ];
+    if let Some(held_out) = &found.held_out {
+        rows.push(Row {
+            quantity: label("error on held-out runs"),
+            unit: "1",
+            source: "error on the fitted runs",
+            expected: Some(training),
+            found: held_out.error.force.unwrap_or(f64::NAN),
+            tolerance: 0.5 * training,
+            reason: "other amplitude, speed or load; a law that only described its own runs would do far worse",
+        });
+    }
+    Ok(rows)
+}
