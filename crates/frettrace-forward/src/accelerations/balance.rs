@@ -1,5 +1,9 @@
 //! Contact force without a law: what the accelerations of a run say about it, line by line.
 
+use super::model::{AccelerationError, AccelerationModel};
+use super::setting::Setting;
+use super::structure::Structure;
+
 use super::run::{Evaluation, store};
 use super::structure::Layout;
 use num_complex::Complex64;
@@ -29,5 +33,84 @@ pub(super) fn recover(e: &Evaluation<'_>) -> Vec<f64> {
     }
     let mut out = zeros;
     store(&lines, &mut out[..2 * order + 1]);
+    out
+}
+
+/// The balance of one run without a friction law: on each line one contact force, by least squares over the sensors.
+#[derive(Clone, Debug, Default)]
+pub struct Balance {
+    /// Contact force [N], one value a line.
+    pub force: Vec<Complex64>,
+    /// Standard deviation of its real and imaginary part [N].
+    pub force_deviation: Vec<f64>,
+    /// Slip that belongs to it [m].
+    pub slip: Vec<Complex64>,
+    /// Displacement of the end [m].
+    pub end: Vec<Complex64>,
+    /// What no contact force explains, over its standard deviation: `[sensor][line]`.
+    pub left: Vec<Vec<Complex64>>,
+    /// Acceleration per unit contact force, `[sensor][line]`.
+    pub gain: Vec<Vec<Complex64>>,
+}
+
+impl Balance {
+    /// χ² of what is left, and its degrees of freedom (`2(S − 1)` a line).
+    #[must_use]
+    pub fn chi_squared(&self) -> (f64, usize) {
+        let sum = self.left.iter().flat_map(|lines| lines.iter().skip(1)).map(Complex64::norm_sqr).sum();
+        let lines = self.force.len().saturating_sub(1);
+        (sum, 2 * lines * self.left.len().saturating_sub(1))
+    }
+}
+
+impl AccelerationModel {
+    /// The balance of the selected runs without a friction law.
+    ///
+    /// # Errors
+    /// [`AccelerationError::Beam`] where the structure cannot be built.
+    pub fn balance(&self, setting: &Setting, selected: &[usize]) -> Result<Vec<Balance>, AccelerationError> {
+        let structure = Structure::new(&self.rig, setting)?;
+        Ok(selected
+            .iter()
+            .map(|&run| {
+                let prepared = self.prepare(&structure, setting, run);
+                balance(&self.evaluation(structure.layout(), setting, &prepared, run))
+            })
+            .collect())
+    }
+}
+
+fn balance(e: &Evaluation<'_>) -> Balance {
+    let lines = e.lines.order() + 1;
+    let zeros = vec![0.0; e.width()];
+    let mut out = Balance {
+        left: vec![vec![Complex64::ZERO; lines]; e.layout.sensors],
+        gain: vec![vec![Complex64::ZERO; lines]; e.layout.sensors],
+        ..Balance::default()
+    };
+    for h in 0..lines {
+        let at = h as f64 * e.lines.omega;
+        let (mut numerator, mut denominator) = (Complex64::ZERO, 0.0);
+        let free: Vec<Complex64> = (0..e.layout.sensors)
+            .map(|s| {
+                let row = Layout::sensor_row(s);
+                let gain = -e.block.at(h, row, 1) * (-at * at);
+                let left = e.lines.acceleration[s][h] - e.displacement(&zeros, row, h) * (-at * at);
+                let weight = e.lines.deviation[s][h].powi(-2);
+                numerator += gain.conj() * left * weight;
+                denominator += gain.norm_sqr() * weight;
+                out.gain[s][h] = gain;
+                left
+            })
+            .collect();
+        let force = if denominator > 0.0 { numerator / denominator } else { Complex64::ZERO };
+        for (s, left) in free.into_iter().enumerate() {
+            out.left[s][h] = (left - out.gain[s][h] * force) / e.lines.deviation[s][h];
+        }
+        out.force.push(force);
+        out.force_deviation.push(if denominator > 0.0 { denominator.sqrt().recip() } else { f64::INFINITY });
+        out.slip.push(e.displacement(&zeros, 0, h) - e.block.at(h, 0, 1) * force);
+        out.end.push(e.displacement(&zeros, 1, h) - e.block.at(h, 1, 1) * force);
+    }
     out
 }

@@ -165,31 +165,81 @@ impl<'a> Tangent<'a> {
     }
 
     /// Change of the residual `f − Φ(f)` per unknown, column by column.
+    ///
+    /// Lines above [`FULL_LINES`] meet receptances so small that their forces hardly answer: identity.
     pub fn jacobian(&self, scratch: &mut GridScratch) -> faer::Mat<f64> {
         let e = self.evaluation;
         let width = e.width();
         let per_port = 2 * e.order() + 1;
         let mut jacobian = faer::Mat::<f64>::identity(width, width);
+        let tables = Tables::new(e.grid.samples());
+        let mut direction = Direction::default();
         for column in 0..width {
             let (port, place) = (column / per_port, column % per_port);
-            let (line, unit) = match place {
-                0 => (0, Complex64::ONE),
-                k if k % 2 == 1 => (k.div_ceil(2), Complex64::ONE),
-                k => (k / 2, Complex64::I),
-            };
-            let direction = self.direction(
-                |row| {
-                    let mut lines = vec![Complex64::ZERO; e.order() + 1];
-                    lines[line] = -e.block.at(line, row, 1 + port) * unit;
-                    lines
-                },
-                scratch,
-            );
+            let line = place.div_ceil(2);
+            if line > FULL_LINES * e.subharmonic() {
+                continue;
+            }
+            let unit = if place % 2 == 1 || place == 0 { Complex64::ONE } else { Complex64::I };
+            self.single_line(&mut direction, &tables, line, |row| -e.block.at(line, row, 1 + port) * unit);
             for (row, value) in self.answer(&direction, scratch).into_iter().enumerate() {
                 jacobian[(row, column)] -= value;
             }
         }
         jacobian
+    }
+
+    /// A direction in which every row moves on one line only.
+    fn single_line(
+        &self, direction: &mut Direction, tables: &Tables, line: usize, row: impl Fn(usize) -> Complex64,
+    ) {
+        let e = self.evaluation;
+        let turn = Complex64::new(0.0, line as f64 * e.lines.omega);
+        let slip = if line == 0 { Complex64::ZERO } else { row(0) };
+        tables.wave(line, slip, &mut direction.slip);
+        tables.wave(line, slip * turn, &mut direction.velocity);
+        if e.support_stiffness > 0.0 && e.rotation {
+            tables.wave(line, row(1) * e.support_stiffness, &mut direction.support);
+        }
+        direction.ports.resize(e.layout.ports, [Vec::new(), Vec::new()]);
+        for (p, [d, v]) in direction.ports.iter_mut().enumerate() {
+            let motion = row(e.layout.port_row(p));
+            tables.wave(line, motion, d);
+            tables.wave(line, motion * turn, v);
+        }
+    }
+}
+
+/// Lines (of the excitation) whose forces are coupled in the derivative of the balance.
+const FULL_LINES: usize = 40;
+
+/// One period of the cosine on the grid.
+struct Tables {
+    cosine: Vec<f64>,
+    sine: Vec<f64>,
+}
+
+impl Tables {
+    fn new(samples: usize) -> Self {
+        let angle = |k: usize| std::f64::consts::TAU * k as f64 / samples as f64;
+        Self {
+            cosine: (0..samples).map(|k| angle(k).cos()).collect(),
+            sine: (0..samples).map(|k| angle(k).sin()).collect(),
+        }
+    }
+
+    /// `Re x̂ e^{ihτ}` on the grid.
+    fn wave(&self, line: usize, value: Complex64, out: &mut Vec<f64>) {
+        let samples = self.cosine.len();
+        out.clear();
+        let mut at = 0;
+        for _ in 0..samples {
+            out.push(value.re * self.cosine[at] - value.im * self.sine[at]);
+            at += line;
+            if at >= samples {
+                at -= samples;
+            }
+        }
     }
 }
 

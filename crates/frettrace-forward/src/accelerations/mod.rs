@@ -14,6 +14,7 @@ mod run;
 mod setting;
 mod structure;
 
+pub use balance::Balance;
 pub use model::{
     AccelerationError, AccelerationModel, ContactHistory, Linearised, Memory, Prediction, RunMemory,
 };

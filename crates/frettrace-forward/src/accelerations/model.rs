@@ -52,7 +52,21 @@ type Factor = Arc<faer::linalg::solvers::PartialPivLu<f64>>;
 #[derive(Clone, Default)]
 pub struct RunMemory {
     unknowns: Vec<f64>,
-    factor: Option<Factor>,
+    /// Factor of the derivative of the imbalance, and the unknowns it was taken at.
+    factor: Option<(Factor, Arc<Vec<f64>>)>,
+}
+
+impl RunMemory {
+    /// Whether the factor still belongs to the unknowns: within `1e-3` of their size.
+    fn current(&self) -> Option<Factor> {
+        let (factor, at) = self.factor.as_ref()?;
+        let (mut change, mut size) = (0.0, 0.0);
+        for (x, old) in self.unknowns.iter().zip(at.iter()) {
+            change += (x - old) * (x - old);
+            size += x * x;
+        }
+        (at.len() == self.unknowns.len() && change <= 1e-6 * size).then(|| factor.clone())
+    }
 }
 
 /// What is kept between evaluations.
@@ -73,7 +87,7 @@ pub struct AccelerationModel {
 }
 
 /// What the laws and the structure of one run are at given values.
-struct Prepared {
+pub(super) struct Prepared {
     block: Block,
     base: Vec<Complex64>,
 }
@@ -95,7 +109,7 @@ impl AccelerationModel {
         Memory { runs: vec![RunMemory::default(); self.runs.len()] }
     }
 
-    fn prepare(&self, structure: &Structure, setting: &Setting, run: usize) -> Prepared {
+    pub(super) fn prepare(&self, structure: &Structure, setting: &Setting, run: usize) -> Prepared {
         let lines = &self.runs[run];
         let block = structure.block(lines.omega, lines.contact_order, lines.progress);
         let base = setting.base.map_or_else(Vec::new, |[re, im]| {
@@ -111,7 +125,7 @@ impl AccelerationModel {
         Prepared { block, base }
     }
 
-    fn evaluation<'a>(
+    pub(super) fn evaluation<'a>(
         &'a self,
         layout: Layout,
         setting: &'a Setting,
@@ -214,6 +228,7 @@ impl AccelerationModel {
             Quantity::ClampCompliance => 1e-6,
             Quantity::AddedMass => 1e-6 * self.rig.beam.mass_per_length * length,
             Quantity::Drift => 1e-7,
+            Quantity::ContactCompliance => 1e-6 * length / self.rig.beam.bending_stiffness,
             _ => return Ok(None),
         };
         let mut beside = setting.clone();
@@ -236,8 +251,11 @@ impl AccelerationModel {
             .collect();
         let state = evaluation.evaluate(&kept.unknowns, &mut scratch);
         let tangent = Tangent::new(evaluation, &state, &hooks);
-        let factor: Factor = Arc::new(tangent.jacobian(&mut scratch).partial_piv_lu());
-        kept.factor = Some(factor.clone());
+        let factor = kept.current().unwrap_or_else(|| {
+            let factor: Factor = Arc::new(tangent.jacobian(&mut scratch).partial_piv_lu());
+            kept.factor = Some((factor.clone(), Arc::new(kept.unknowns.clone())));
+            factor
+        });
         let plain = evaluation.accelerations(&kept.unknowns);
         let columns = what
             .quantities
@@ -477,12 +495,13 @@ fn solve(e: &Evaluation<'_>, kept: &mut RunMemory, tolerance: f64) -> Result<(),
         let slow = left > 0.3 * best;
         best = best.min(left);
         if kept.factor.is_none() || (slow && !fresh) {
-            kept.factor = Some(factorise(e, &state, &mut scratch));
+            let factor = factorise(e, &state, &mut scratch);
+            kept.factor = Some((factor, Arc::new(kept.unknowns.clone())));
             fresh = true;
         } else {
             fresh = false;
         }
-        let Some(factor) = &kept.factor else { return Err(left) };
+        let Some((factor, _)) = &kept.factor else { return Err(left) };
         let right = faer::Col::from_fn(difference.len(), |i| difference[i]);
         let step = faer::linalg::solvers::Solve::solve(factor.as_ref(), &right);
         descend(e, kept, &step, left, &mut scratch);

@@ -91,6 +91,12 @@ impl Evaluation<'_> {
         self.lines.contact_order
     }
 
+    /// Lines of the base frequency from one strong line of the excitation to the next.
+    pub fn subharmonic(&self) -> usize {
+        let largest = self.lines.force.iter().map(|f| f.norm()).fold(0.0, f64::max);
+        self.lines.force.iter().position(|f| f.norm() > 0.5 * largest && largest > 0.0).unwrap_or(1).max(1)
+    }
+
     pub fn width(&self) -> usize {
         (1 + self.layout.ports) * (2 * self.order() + 1)
     }

@@ -85,6 +85,8 @@ pub enum Quantity {
     ClampCompliance,
     /// Relative change of all natural frequencies from the first run to the last.
     Drift,
+    /// Local compliance of the contact beside that of the modes [m/N].
+    ContactCompliance,
     /// Motion of the clamp per excitation force at the same line, real part [m/N].
     BaseReal,
     /// The same, imaginary part.
@@ -118,6 +120,8 @@ pub struct Setting {
     pub clamp_compliance: f64,
     /// Relative change of all natural frequencies from the first run to the last.
     pub drift: f64,
+    /// Local compliance of the contact beside that of the modes [m/N].
+    pub contact_compliance: f64,
     /// Motion of the clamp per excitation force [m/N], real and imaginary part.
     pub base: Option<[f64; 2]>,
     /// Sensors.
@@ -142,6 +146,7 @@ impl Setting {
             Quantity::MassPosition => self.mass.map(|m| m[1]),
             Quantity::ClampCompliance => Some(self.clamp_compliance),
             Quantity::Drift => Some(self.drift),
+            Quantity::ContactCompliance => Some(self.contact_compliance),
             Quantity::BaseReal => self.base.map(|b| b[0]),
             Quantity::BaseImaginary => self.base.map(|b| b[1]),
             Quantity::Gain(k) => sensor(k).map(|s| s.gain),
@@ -169,6 +174,7 @@ impl Setting {
             Quantity::MassPosition => self.mass.as_mut().map(|m| &mut m[1]),
             Quantity::ClampCompliance => Some(&mut self.clamp_compliance),
             Quantity::Drift => Some(&mut self.drift),
+            Quantity::ContactCompliance => Some(&mut self.contact_compliance),
             Quantity::BaseReal => self.base.as_mut().map(|b| &mut b[0]),
             Quantity::BaseImaginary => self.base.as_mut().map(|b| &mut b[1]),
             Quantity::Gain(k) => self.sensors.get_mut(k).map(|s| &mut s.gain),

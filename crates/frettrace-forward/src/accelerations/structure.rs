@@ -15,6 +15,7 @@ pub(super) struct Structure {
     layout: Layout,
     mass: Option<f64>,
     drift: f64,
+    contact_compliance: f64,
     /// Participation of a uniform motion of the clamp in each mode, `∫ρA φ dx`.
     rigid: Vec<f64>,
 }
@@ -105,7 +106,7 @@ impl Structure {
         let residual = scaled_residual(&probe, &scale, &modal);
         let rigid = rigid_participation(rig, &model);
         let mass = setting.mass.map(|m| m[0]);
-        Ok(Self { model, participation, residual, count, layout, mass, drift: setting.drift, rigid })
+        Ok(Self { model, participation, residual, count, layout, mass, drift: setting.drift, contact_compliance: setting.contact_compliance, rigid })
     }
 
     /// Takes over frequencies, damping, mass and drift; the points stay.
@@ -115,6 +116,7 @@ impl Structure {
         }
         self.mass = setting.mass.map(|m| m[0]);
         self.drift = setting.drift;
+        self.contact_compliance = setting.contact_compliance;
     }
 
     pub fn layout(&self) -> Layout {
@@ -154,6 +156,7 @@ impl Structure {
             if let Some(mass) = self.mass {
                 add_mass(&mut wide, columns, Element::Mass(mass).dynamic_stiffness(at));
             }
+            wide[1] += self.contact_compliance;
             for row in 0..rows {
                 let start = row * (columns + extra);
                 values.extend(wide[start..start + columns].iter().map(|v| v / (stretch * stretch)));

@@ -1,0 +1,186 @@
+//! What is declared: the rig, its runs, and how well its values are known.
+
+use crate::{RunRecord, Unknown};
+use frettrace_beam::{ModalModel, ModalOptions};
+use frettrace_forward::accelerations::{Quantity, Rig, SensorSetting, Setting};
+use frettrace_friction::effects::{Hook, ModifiedLaw};
+use frettrace_identify::{Parameter, Prior, Transform};
+
+/// Measured modes with their standard deviations.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DeclaredModes {
+    /// Natural frequencies [rad/s].
+    pub frequency: Vec<f64>,
+    /// Their standard deviations [rad/s].
+    pub frequency_std: Vec<f64>,
+    /// Damping ratios.
+    pub damping: Vec<f64>,
+    /// Their standard deviations.
+    pub damping_std: Vec<f64>,
+}
+
+/// A declared friction law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DeclaredLaw {
+    /// Coulomb's law.
+    Coulomb,
+    /// Stribeck's curve without memory.
+    Stribeck,
+    /// Dahl's law.
+    Dahl,
+    /// The LuGre law.
+    LuGre,
+    /// The hybrid law.
+    Hybrid,
+}
+
+/// Everything an explanation starts from.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// The rig.
+    pub rig: Rig,
+    /// The runs, reduced to lines.
+    pub records: Vec<RunRecord>,
+    /// Measured modes.
+    pub modes: DeclaredModes,
+    /// The declared law.
+    pub law: DeclaredLaw,
+}
+
+/// Sizes of the motion in the contact, from which starting values and ranges are scaled.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Scales {
+    /// Largest slip [m].
+    pub slip: f64,
+    /// Largest slip velocity [m/s].
+    pub velocity: f64,
+    /// Period of the excitation [s].
+    pub period: f64,
+    /// Preload [N].
+    pub preload: f64,
+    /// Length of the beam [m].
+    pub length: f64,
+    /// Mass of the beam [kg].
+    pub mass: f64,
+}
+
+/// A positive unknown of the law, fitted in its logarithm.
+#[must_use]
+pub fn positive(hook: Hook, low: f64, high: f64) -> Unknown {
+    let (name, unit) = hook.name_and_unit();
+    Unknown { quantity: Quantity::Law(hook), parameter: Parameter::positive(name, unit, (low, high)) }
+}
+
+/// An unknown that may have either sign, with a typical size.
+#[must_use]
+pub fn signed(quantity: Quantity, (name, unit): (&str, &str), scale: f64, bounds: (f64, f64)) -> Unknown {
+    Unknown {
+        quantity,
+        parameter: Parameter {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            transform: Transform::Linear { scale },
+            bounds,
+            prior: None,
+            experiment: String::new(),
+        },
+    }
+}
+
+/// Smallest relative standard deviations that a declared frequency and damping ratio may claim: a clamp is never
+/// tightened twice alike, and a free decay gives damping to some tenth of a per cent at best.
+const LEAST_STD: [f64; 2] = [2e-6, 5e-4];
+
+impl Case {
+    /// The declared model at declared values, with a friction law to start from.
+    #[must_use]
+    pub fn setting(&self, law: ModifiedLaw<f64>) -> Setting {
+        Setting {
+            frequency: self.modes.frequency.clone(),
+            damping: self.modes.damping.clone(),
+            law,
+            modulation: 1,
+            ports: Vec::new(),
+            mass: None,
+            clamp_compliance: 0.0,
+            drift: 0.0,
+            contact_compliance: 0.0,
+            base: None,
+            sensors: vec![SensorSetting::default(); self.rig.sensors.len()],
+        }
+    }
+
+    /// What the declared model leaves open: the structure within its standard deviations, and the law.
+    #[must_use]
+    pub fn unknowns(&self) -> Vec<Unknown> {
+        let mut unknowns = self.structure_unknowns();
+        unknowns.extend(self.law_unknowns());
+        unknowns
+    }
+
+    fn structure_unknowns(&self) -> Vec<Unknown> {
+        let modes = &self.modes;
+        let mut unknowns = Vec::new();
+        let std = |given: &[f64], n: usize, value: f64, least: f64, otherwise: f64| {
+            given.get(n).map_or(otherwise * value, |s| s.max(least * value))
+        };
+        for (n, (&frequency, &damping)) in modes.frequency.iter().zip(&modes.damping).enumerate() {
+            let width = std(&modes.frequency_std, n, frequency, LEAST_STD[0], 1e-3);
+            unknowns.push(Unknown {
+                quantity: Quantity::ModeFrequency(n),
+                parameter: Parameter::declared(
+                    &format!("frequency_{}", n + 1),
+                    "rad/s",
+                    Prior { mean: frequency, std: width },
+                ),
+            });
+            let width = std(&modes.damping_std, n, damping, LEAST_STD[1], 0.1);
+            let mut parameter = Parameter::declared(
+                &format!("damping_{}", n + 1),
+                "1",
+                Prior { mean: damping, std: width },
+            );
+            parameter.bounds = (1e-6, 0.5);
+            unknowns.push(Unknown { quantity: Quantity::ModeDamping(n), parameter });
+        }
+        unknowns.push(Unknown {
+            quantity: Quantity::ContactCompliance,
+            parameter: Parameter::declared(
+                "contact_compliance",
+                "m/N",
+                Prior { mean: 0.0, std: self.local_compliance() },
+            ),
+        });
+        unknowns
+    }
+
+    /// Static compliance that modes beyond the twentieth lend to the contact: how far a local compliance is unknown.
+    fn local_compliance(&self) -> f64 {
+        let options = ModalOptions { modes: 20, ..ModalOptions::default() };
+        let Ok(model) = ModalModel::new(&self.rig.beam, &self.rig.boundary, &options) else { return 1e-12 };
+        let end = self.rig.beam.length;
+        let (dof, lever) = match self.rig.lever {
+            Some(lever) => (frettrace_beam::Dof::rotation(end), lever),
+            None => (frettrace_beam::Dof::displacement(end), 1.0),
+        };
+        model.residual(dof, dof).abs() * lever * lever
+    }
+
+    fn law_unknowns(&self) -> Vec<Unknown> {
+        let mut unknowns = vec![positive(Hook::Sigma0, 1.0, 1e12), positive(Hook::MuKinetic, 1e-4, 20.0)];
+        if matches!(self.law, DeclaredLaw::Stribeck | DeclaredLaw::LuGre | DeclaredLaw::Hybrid) {
+            unknowns.push(positive(Hook::StribeckRise, 1e-5, 20.0));
+            unknowns.push(positive(Hook::StribeckVelocity, 1e-7, 100.0));
+            unknowns.push(positive(Hook::StribeckExponent, 0.3, 6.0));
+            unknowns.push(signed(Quantity::Law(Hook::Viscous), ("sigma2", "N·s/m"), 1.0, (0.0, f64::INFINITY)));
+        }
+        if matches!(self.law, DeclaredLaw::LuGre | DeclaredLaw::Hybrid) {
+            unknowns.push(signed(Quantity::Law(Hook::Sigma1), ("sigma1", "s/m"), 1.0, (0.0, f64::INFINITY)));
+            unknowns.push(positive(Hook::DampingVelocity, 1e-7, 100.0));
+        }
+        if self.law == DeclaredLaw::Hybrid {
+            unknowns.push(signed(Quantity::Law(Hook::Breakaway), ("breakaway", "1"), 0.1, (0.0, 0.95)));
+        }
+        unknowns
+    }
+}

@@ -1,0 +1,145 @@
+//! The acceleration-level model as something to fit.
+
+use frettrace_forward::accelerations::{AccelerationModel, Linearised, Memory, Prediction, Quantity, Setting};
+use frettrace_identify::{Model, NoSolution, Parameter};
+use nalgebra::DMatrix;
+use num_complex::Complex64;
+
+/// A quantity of the acceleration-level model with what is known of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unknown {
+    /// The quantity.
+    pub quantity: Quantity,
+    /// Name, unit, bounds, prior.
+    pub parameter: Parameter,
+}
+
+/// The acceleration-level model of selected runs as a least-squares problem: residuals are measured minus predicted
+/// lines over their standard deviations, real and imaginary parts.
+pub struct AccelerationFit<'a> {
+    model: &'a AccelerationModel,
+    setting: Setting,
+    quantities: Vec<Quantity>,
+    parameters: Vec<Parameter>,
+    runs: Vec<usize>,
+    warm: Memory,
+}
+
+impl<'a> AccelerationFit<'a> {
+    /// A fit of `unknowns` around `setting` to the runs of the given indices; `warm` holds solutions near it.
+    #[must_use]
+    pub fn new(
+        model: &'a AccelerationModel, setting: Setting, unknowns: &[Unknown], runs: Vec<usize>, warm: Memory,
+    ) -> Self {
+        Self {
+            model,
+            setting,
+            quantities: unknowns.iter().map(|u| u.quantity).collect(),
+            parameters: unknowns.iter().map(|u| u.parameter.clone()).collect(),
+            runs,
+            warm,
+        }
+    }
+
+    /// The setting at the given values.
+    #[must_use]
+    pub fn at(&self, values: &[f64]) -> Setting {
+        let mut setting = self.setting.clone();
+        for (&quantity, &value) in self.quantities.iter().zip(values) {
+            setting.set(quantity, value);
+        }
+        setting
+    }
+
+    /// Values of the quantities in the setting the fit starts from.
+    #[must_use]
+    pub fn start(&self) -> Vec<f64> {
+        self.quantities.iter().map(|&q| self.setting.get(q).unwrap_or_default()).collect()
+    }
+
+    /// Visits every line of the selected runs in the order of the residual.
+    fn each_line(&self, mut visit: impl FnMut(usize, usize, usize, Complex64, f64)) {
+        for (place, &run) in self.runs.iter().enumerate() {
+            let lines = &self.model.runs[run];
+            for (s, (measured, deviation)) in lines.acceleration.iter().zip(&lines.deviation).enumerate() {
+                for (h, (value, std)) in measured.iter().zip(deviation).enumerate() {
+                    visit(place, s, h, *value, *std);
+                }
+            }
+        }
+    }
+
+    fn whiten(&self, predicted: &[impl AsPrediction], residual: &mut [f64]) {
+        let mut at = 0;
+        self.each_line(|place, s, h, measured, std| {
+            let left = (measured - predicted[place].lines()[s][h]) / std;
+            residual[at] = left.re;
+            residual[at + 1] = left.im;
+            at += 2;
+        });
+    }
+}
+
+trait AsPrediction {
+    fn lines(&self) -> &Prediction;
+}
+
+impl AsPrediction for Prediction {
+    fn lines(&self) -> &Prediction {
+        self
+    }
+}
+
+impl AsPrediction for Linearised {
+    fn lines(&self) -> &Prediction {
+        &self.prediction
+    }
+}
+
+impl Model for AccelerationFit<'_> {
+    type Memory = Memory;
+
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn residual_count(&self) -> usize {
+        let mut count = 0;
+        self.each_line(|_, _, _, _, _| count += 2);
+        count
+    }
+
+    fn memory(&self) -> Memory {
+        self.warm.clone()
+    }
+
+    fn residual(&self, values: &[f64], memory: &mut Memory, residual: &mut [f64]) -> Result<(), NoSolution> {
+        let predicted =
+            self.model.predict(&self.at(values), &self.runs, memory).map_err(|_| NoSolution)?;
+        self.whiten(&predicted, residual);
+        Ok(())
+    }
+
+    fn linearise(
+        &self, values: &[f64], free: &[bool], memory: &mut Memory, target: (&mut [f64], &mut DMatrix<f64>),
+    ) -> Result<(), NoSolution> {
+        let (residual, jacobian) = target;
+        let chosen: Vec<usize> = (0..values.len()).filter(|&j| free[j]).collect();
+        let quantities: Vec<Quantity> = chosen.iter().map(|&j| self.quantities[j]).collect();
+        let linearised = self
+            .model
+            .linearise(&self.at(values), &quantities, &self.runs, memory)
+            .map_err(|_| NoSolution)?;
+        self.whiten(&linearised, residual);
+        for (column, &j) in chosen.iter().enumerate() {
+            let mut at = 0;
+            self.each_line(|place, s, h, _, std| {
+                let change = -linearised[place].columns[column][s][h] / std;
+                jacobian[(at, j)] = change.re;
+                jacobian[(at + 1, j)] = change.im;
+                at += 2;
+            });
+        }
+        Ok(())
+    }
+}

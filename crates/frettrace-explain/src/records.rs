@@ -1,0 +1,191 @@
+//! Runs as the model needs them: base frequency, lines with their deviations, and what lies beside the lines.
+
+use frettrace_forward::accelerations::RunLines;
+use frettrace_fourier::{Lines, Projected, ProjectionError, Projector, refine};
+use num_complex::Complex64;
+
+/// Samples of one run.
+#[derive(Clone, Debug)]
+pub struct RunSamples<'a> {
+    /// Sampling rate [Hz].
+    pub sampling_rate: f64,
+    /// Nominal excitation frequency [Hz].
+    pub excitation_frequency: f64,
+    /// Preload [N].
+    pub preload: f64,
+    /// Excitation force [N].
+    pub force: &'a [f64],
+    /// Accelerations [m/s²].
+    pub acceleration: &'a [Vec<f64>],
+}
+
+/// One run, reduced to lines.
+#[derive(Clone, Debug)]
+pub struct RunRecord {
+    /// Lines for the model.
+    pub lines: RunLines,
+    /// Order of the subharmonic: the base frequency is the excitation's over this.
+    pub subharmonic: usize,
+    /// Whether the lines hold all that exceeds the noise.
+    pub periodic: bool,
+    /// Mean square of each sensor beside the lines [(m/s²)²].
+    pub beside: Vec<f64>,
+    /// Mean square of each sensor [(m/s²)²].
+    pub power: Vec<f64>,
+    /// Standard deviation of the noise of each sensor [m/s²].
+    pub noise: Vec<f64>,
+    /// What neither lines nor a constant hold, sample by sample.
+    pub residual: Vec<Vec<f64>>,
+    /// Samples of the run.
+    pub samples: usize,
+    /// Sampling rate [Hz].
+    pub sampling_rate: f64,
+}
+
+/// Highest line kept for a model, however high the sampling rate: contact forces have decayed far below any noise.
+const MOST_LINES: usize = 160;
+/// Share of the band below half the sampling rate that is used: above it anti-alias filters bend every channel.
+const BAND: f64 = 0.85;
+/// Relative accuracy to which lines can be compared with any model of a beam: bounds the weight of a single line.
+const RELATIVE_ACCURACY: f64 = 3e-5;
+/// A run is periodic where what lies beside its lines stays within this factor of the noise.
+const BESIDE_LIMIT: f64 = 1.25;
+
+impl RunRecord {
+    /// Lines of a run; `noise` holds the stated deviations where there are any.
+    ///
+    /// # Errors
+    /// Those of the projection.
+    pub fn new(run: &RunSamples<'_>, noise: Option<&[f64]>, progress: f64) -> Result<Self, ProjectionError> {
+        let nominal = std::f64::consts::TAU * run.excitation_frequency;
+        let samples = run.force.len();
+        let of_base = |base: f64, order: usize| Lines {
+            base,
+            order,
+            samples,
+            sampling_rate: run.sampling_rate,
+            drift: 0,
+        };
+        let refined = refine(of_base(nominal, 3), &[run.force])?.base;
+        let mut best: Option<(usize, Vec<Projected>, Projected, f64)> = None;
+        for subharmonic in [1, 2, 3, 4, 5] {
+            let base = refined / subharmonic as f64;
+            let highest = (BAND * std::f64::consts::PI * run.sampling_rate / base).floor() as usize;
+            let order = highest.min(MOST_LINES * subharmonic).min(samples / 4).max(1);
+            let Ok(projector) = Projector::new(of_base(base, order)) else { continue };
+            let channels =
+                run.acceleration.iter().map(|x| projector.project(x)).collect::<Result<Vec<_>, _>>()?;
+            let ratio = worst_beside(&channels, noise);
+            let better = best.as_ref().is_none_or(|(_, _, _, old)| ratio < 0.7 * old);
+            if better {
+                best = Some((subharmonic, channels, projector.project(run.force)?, ratio));
+            }
+            if ratio < BESIDE_LIMIT {
+                break;
+            }
+        }
+        let unresolved = ProjectionError::TooShort { samples, unknowns: 3 };
+        let (subharmonic, channels, force, ratio) = best.ok_or(unresolved)?;
+        let noise: Vec<f64> = match noise {
+            Some(stated) => stated.to_vec(),
+            None => channels.iter().map(between_lines).collect(),
+        };
+        Ok(Self::assemble(run, (channels, force), noise, (subharmonic, ratio < BESIDE_LIMIT, progress)))
+    }
+
+    fn assemble(
+        run: &RunSamples<'_>, (channels, force): (Vec<Projected>, Projected), noise: Vec<f64>,
+        (subharmonic, periodic, progress): (usize, bool, f64),
+    ) -> Self {
+        let samples = run.force.len();
+        let order = significant_order(&channels).max(8 * subharmonic).min(channels[0].harmonics.order());
+        let line_noise = |s: usize| noise[s] * (2.0 / samples as f64).sqrt();
+        let acceleration: Vec<Vec<Complex64>> =
+            channels.iter().map(|c| c.harmonics.coefficients[..=order].to_vec()).collect();
+        let deviation = acceleration
+            .iter()
+            .enumerate()
+            .map(|(s, lines)| {
+                lines.iter().map(|a| line_noise(s).hypot(RELATIVE_ACCURACY * a.norm())).collect()
+            })
+            .collect();
+        let mean_square = |x: &[f64]| x.iter().map(|v| v * v).sum::<f64>() / x.len() as f64;
+        // Lines beyond the last significant one count as beside.
+        let beside = channels
+            .iter()
+            .map(|c| {
+                let above = &c.harmonics.coefficients[order + 1..];
+                mean_square(&c.residual) + above.iter().map(|a| 0.5 * a.norm_sqr()).sum::<f64>()
+            })
+            .collect();
+        let contact_order = order + order / 4 + 4;
+        let lines = RunLines {
+            omega: force.harmonics.base,
+            preload: run.preload,
+            progress,
+            force: force_lines(&force, order),
+            acceleration,
+            deviation,
+            known_force: Vec::new(),
+            contact_order,
+            samples: (8 * contact_order).next_power_of_two().clamp(128, 4096),
+        };
+        Self {
+            lines,
+            subharmonic,
+            periodic,
+            beside,
+            power: run.acceleration.iter().map(|x| mean_square(x)).collect(),
+            noise,
+            residual: channels.into_iter().map(|c| c.residual).collect(),
+            samples,
+            sampling_rate: run.sampling_rate,
+        }
+    }
+}
+
+/// Largest ratio over the sensors of what lies beside the lines to the noise (stated, or the quietest decile of lines).
+fn worst_beside(channels: &[Projected], noise: Option<&[f64]>) -> f64 {
+    channels
+        .iter()
+        .enumerate()
+        .map(|(s, c)| c.residual_std / noise.map_or_else(|| between_lines(c), |n| n[s]))
+        .fold(0.0, f64::max)
+}
+
+/// Noise from the variances of the lines, which come from the spectrum around each line: their median.
+fn between_lines(channel: &Projected) -> f64 {
+    let mut variance: Vec<f64> = channel.harmonics.variance.iter().skip(1).copied().collect();
+    variance.sort_by(f64::total_cmp);
+    let median = variance.get(variance.len() / 2).copied().unwrap_or_default();
+    // A line of n samples has the variance 4σ²/n of real and imaginary part together.
+    (median * channel.residual.len() as f64 / 4.0).sqrt()
+}
+
+/// Highest line that any sensor shows with five standard deviations.
+fn significant_order(channels: &[Projected]) -> usize {
+    channels
+        .iter()
+        .map(|c| {
+            let h = &c.harmonics;
+            (1..h.coefficients.len())
+                .rev()
+                .find(|&k| h.coefficients[k].norm_sqr() > 25.0 * h.variance[k])
+                .unwrap_or(1)
+        })
+        .max()
+        .unwrap_or(1)
+}
+
+/// Lines of the force; those within five standard deviations of nothing are nothing.
+fn force_lines(force: &Projected, order: usize) -> Vec<Complex64> {
+    let h = &force.harmonics;
+    let largest = h.coefficients.iter().map(|c| c.norm()).fold(0.0, f64::max);
+    (0..=order)
+        .map(|k| {
+            let line = h.coefficients[k];
+            let kept = k > 0 && line.norm_sqr() > 25.0 * h.variance[k] && line.norm() > 1e-7 * largest;
+            if kept { line } else { Complex64::ZERO }
+        })
+        .collect()
+}
