@@ -4,6 +4,7 @@ use crate::{RunRecord, Unknown};
 use frettrace_beam::{ModalModel, ModalOptions};
 use frettrace_forward::accelerations::{Quantity, Rig, SensorSetting, Setting};
 use frettrace_friction::effects::{Hook, ModifiedLaw};
+use frettrace_identify::contact::Family;
 use frettrace_identify::{Parameter, Prior, Transform};
 
 /// Measured modes with their standard deviations.
@@ -19,21 +20,6 @@ pub struct DeclaredModes {
     pub damping_std: Vec<f64>,
 }
 
-/// A declared friction law.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DeclaredLaw {
-    /// Coulomb's law.
-    Coulomb,
-    /// Stribeck's curve without memory.
-    Stribeck,
-    /// Dahl's law.
-    Dahl,
-    /// The LuGre law.
-    LuGre,
-    /// The hybrid law.
-    Hybrid,
-}
-
 /// Everything an explanation starts from.
 #[derive(Clone, Debug)]
 pub struct Case {
@@ -44,7 +30,7 @@ pub struct Case {
     /// Measured modes.
     pub modes: DeclaredModes,
     /// The declared law.
-    pub law: DeclaredLaw,
+    pub law: Family,
 }
 
 /// Sizes of the motion in the contact, from which starting values and ranges are scaled.
@@ -91,6 +77,15 @@ pub fn signed(quantity: Quantity, (name, unit): (&str, &str), scale: f64, bounds
 /// tightened twice alike, and a free decay gives damping to some tenth of a per cent at best.
 const LEAST_STD: [f64; 2] = [2e-6, 5e-4];
 
+/// Bounds a declared value by five standard deviations: beyond them the declaration itself is wrong, and that is an
+/// effect with a name, not a calibration.
+fn within(mut parameter: Parameter) -> Parameter {
+    if let Some(prior) = parameter.prior {
+        parameter.bounds = (prior.mean - 5.0 * prior.std, prior.mean + 5.0 * prior.std);
+    }
+    parameter
+}
+
 impl Case {
     /// The declared model at declared values, with a friction law to start from.
     #[must_use]
@@ -126,30 +121,22 @@ impl Case {
         };
         for (n, (&frequency, &damping)) in modes.frequency.iter().zip(&modes.damping).enumerate() {
             let width = std(&modes.frequency_std, n, frequency, LEAST_STD[0], 1e-3);
-            unknowns.push(Unknown {
-                quantity: Quantity::ModeFrequency(n),
-                parameter: Parameter::declared(
-                    &format!("frequency_{}", n + 1),
-                    "rad/s",
-                    Prior { mean: frequency, std: width },
-                ),
-            });
+            let prior = Prior { mean: frequency, std: width };
+            let parameter = within(Parameter::declared(&format!("frequency_{}", n + 1), "rad/s", prior));
+            unknowns.push(Unknown { quantity: Quantity::ModeFrequency(n), parameter });
             let width = std(&modes.damping_std, n, damping, LEAST_STD[1], 0.1);
-            let mut parameter = Parameter::declared(
-                &format!("damping_{}", n + 1),
-                "1",
-                Prior { mean: damping, std: width },
-            );
-            parameter.bounds = (1e-6, 0.5);
+            let prior = Prior { mean: damping, std: width };
+            let mut parameter = within(Parameter::declared(&format!("damping_{}", n + 1), "1", prior));
+            parameter.bounds.0 = parameter.bounds.0.max(1e-6);
             unknowns.push(Unknown { quantity: Quantity::ModeDamping(n), parameter });
         }
         unknowns.push(Unknown {
             quantity: Quantity::ContactCompliance,
-            parameter: Parameter::declared(
+            parameter: within(Parameter::declared(
                 "contact_compliance",
                 "m/N",
                 Prior { mean: 0.0, std: self.local_compliance() },
-            ),
+            )),
         });
         unknowns
     }
@@ -168,17 +155,17 @@ impl Case {
 
     fn law_unknowns(&self) -> Vec<Unknown> {
         let mut unknowns = vec![positive(Hook::Sigma0, 1.0, 1e12), positive(Hook::MuKinetic, 1e-4, 20.0)];
-        if matches!(self.law, DeclaredLaw::Stribeck | DeclaredLaw::LuGre | DeclaredLaw::Hybrid) {
+        if matches!(self.law, Family::Stribeck | Family::LuGre | Family::Hybrid) {
             unknowns.push(positive(Hook::StribeckRise, 1e-5, 20.0));
             unknowns.push(positive(Hook::StribeckVelocity, 1e-7, 100.0));
             unknowns.push(positive(Hook::StribeckExponent, 0.3, 6.0));
             unknowns.push(signed(Quantity::Law(Hook::Viscous), ("sigma2", "N·s/m"), 1.0, (0.0, f64::INFINITY)));
         }
-        if matches!(self.law, DeclaredLaw::LuGre | DeclaredLaw::Hybrid) {
+        if matches!(self.law, Family::LuGre | Family::Hybrid) {
             unknowns.push(signed(Quantity::Law(Hook::Sigma1), ("sigma1", "s/m"), 1.0, (0.0, f64::INFINITY)));
             unknowns.push(positive(Hook::DampingVelocity, 1e-7, 100.0));
         }
-        if self.law == DeclaredLaw::Hybrid {
+        if self.law == Family::Hybrid {
             unknowns.push(signed(Quantity::Law(Hook::Breakaway), ("breakaway", "1"), 0.1, (0.0, 0.95)));
         }
         unknowns

@@ -1,7 +1,19 @@
 //! Candidate effects and the evidence for them: what the model lacks; file-unaware.
 
+mod balance_fit;
+mod case;
+mod contact_fit;
+pub(crate) mod effects;
 mod fitting;
 mod records;
+pub(crate) mod search;
+mod start;
+mod study;
+mod verdict;
 
+pub use case::{Case, DeclaredModes, Scales, positive, signed};
 pub use fitting::{AccelerationFit, Unknown};
 pub use records::{RunRecord, RunSamples};
+pub use search::Explained;
+pub use verdict::{Named, Outcome, Place, Tried, Verdict, explain};
+pub use study::{ExplainError, Fitted, RunError, Study};

@@ -44,8 +44,8 @@ pub struct RunRecord {
 
 /// Highest line kept for a model, however high the sampling rate: contact forces have decayed far below any noise.
 const MOST_LINES: usize = 160;
-/// Share of the band below half the sampling rate that is used: above it anti-alias filters bend every channel.
-const BAND: f64 = 0.85;
+/// Share of the band below half the sampling rate that is trusted: above it anti-alias filters bend every channel.
+const BAND: f64 = 0.8;
 /// Relative accuracy to which lines can be compared with any model of a beam: bounds the weight of a single line.
 const RELATIVE_ACCURACY: f64 = 3e-5;
 /// A run is periodic where what lies beside its lines stays within this factor of the noise.
@@ -70,7 +70,7 @@ impl RunRecord {
         let mut best: Option<(usize, Vec<Projected>, Projected, f64)> = None;
         for subharmonic in [1, 2, 3, 4, 5] {
             let base = refined / subharmonic as f64;
-            let highest = (BAND * std::f64::consts::PI * run.sampling_rate / base).floor() as usize;
+            let highest = (0.995 * std::f64::consts::PI * run.sampling_rate / base).floor() as usize;
             let order = highest.min(MOST_LINES * subharmonic).min(samples / 4).max(1);
             let Ok(projector) = Projector::new(of_base(base, order)) else { continue };
             let channels =
@@ -98,7 +98,10 @@ impl RunRecord {
         (subharmonic, periodic, progress): (usize, bool, f64),
     ) -> Self {
         let samples = run.force.len();
-        let order = significant_order(&channels).max(8 * subharmonic).min(channels[0].harmonics.order());
+        // Beyond the trusted band nothing is compared.
+        let edge = (BAND * std::f64::consts::PI * run.sampling_rate / force.harmonics.base) as usize;
+        let highest = channels[0].harmonics.order().min(edge.max(1));
+        let order = significant_order(&channels).max(8 * subharmonic).min(highest);
         let line_noise = |s: usize| noise[s] * (2.0 / samples as f64).sqrt();
         let acceleration: Vec<Vec<Complex64>> =
             channels.iter().map(|c| c.harmonics.coefficients[..=order].to_vec()).collect();
@@ -114,7 +117,7 @@ impl RunRecord {
         let beside = channels
             .iter()
             .map(|c| {
-                let above = &c.harmonics.coefficients[order + 1..];
+                let above = &c.harmonics.coefficients[order + 1..=highest];
                 mean_square(&c.residual) + above.iter().map(|a| 0.5 * a.norm_sqr()).sum::<f64>()
             })
             .collect();

@@ -14,6 +14,7 @@
 //! | [`simulate`] | a rig to a measurement with its truth |
 //! | [`store`] | results written beside their place, then renamed |
 
+pub mod case;
 mod error;
 pub mod identify;
 pub mod inspect;

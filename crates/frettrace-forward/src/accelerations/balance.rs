@@ -6,6 +6,7 @@ use super::structure::Structure;
 
 use super::run::{Evaluation, store};
 use super::structure::Layout;
+use frettrace_fourier::GridScratch;
 use num_complex::Complex64;
 
 /// Force harmonics (all ports) recovered by weighted least squares over the sensors, for a start.
@@ -43,6 +44,8 @@ pub struct Balance {
     pub force: Vec<Complex64>,
     /// Standard deviation of its real and imaginary part [N].
     pub force_deviation: Vec<f64>,
+    /// Loss of slip per unit contact force [m/N], one value a line.
+    pub slip_gain: Vec<Complex64>,
     /// Slip that belongs to it [m].
     pub slip: Vec<Complex64>,
     /// Displacement of the end [m].
@@ -74,15 +77,65 @@ impl AccelerationModel {
             .iter()
             .map(|&run| {
                 let prepared = self.prepare(&structure, setting, run);
-                balance(&self.evaluation(structure.layout(), setting, &prepared, run))
+                let evaluation = self.evaluation(structure.layout(), setting, &prepared, run);
+                let mut unknowns = vec![0.0; evaluation.width()];
+                let mut found = balance(&evaluation, &unknowns);
+                if structure.layout().ports > 0 {
+                    // The forces of ports follow the recovered motion: a few steps, damped, since each moves the other.
+                    let mut scratch = evaluation.grid.scratch();
+                    for step in 0..PORT_STEPS {
+                        answer_ports(&evaluation, &found, (&mut unknowns, step), &mut scratch);
+                        found = balance(&evaluation, &unknowns);
+                    }
+                }
+                found
             })
             .collect())
     }
 }
 
-fn balance(e: &Evaluation<'_>) -> Balance {
+/// Steps in which the forces of ports and the recovered motion agree.
+const PORT_STEPS: usize = 5;
+
+/// Forces that the ports answer to the recovered motion.
+fn answer_ports(
+    e: &Evaluation<'_>, found: &Balance, (unknowns, step): (&mut [f64], usize), scratch: &mut GridScratch,
+) {
+    let order = e.order();
+    let width = 2 * order + 1;
+    let mut lines = vec![Complex64::ZERO; order + 1];
+    for (line, force) in lines.iter_mut().zip(&found.force) {
+        *line = *force;
+    }
+    store(&lines, &mut unknowns[..width]);
+    let mut new = Vec::with_capacity(e.layout.ports);
+    for (p, port) in e.setting.ports.iter().enumerate() {
+        let row = e.layout.port_row(p);
+        let motion: Vec<Complex64> = (0..=order)
+            .map(|h| if h <= e.lines.order() { e.displacement(unknowns, row, h) } else { Complex64::ZERO })
+            .collect();
+        let speed = super::run::velocity(&motion, e.lines.omega);
+        let (mut d, mut v) = (vec![0.0; e.grid.samples()], vec![0.0; e.grid.samples()]);
+        e.grid.evaluate(&motion, &mut d, scratch);
+        e.grid.evaluate(&speed, &mut v, scratch);
+        for (d, v) in d.iter_mut().zip(&v) {
+            *d = port.law.force(&port.coefficients, *d, *v).force;
+        }
+        e.grid.project(&d, &mut lines, scratch);
+        let mut reals = vec![0.0; width];
+        store(&lines, &mut reals);
+        new.push(reals);
+    }
+    let share = if step == 0 { 1.0 } else { 0.6 };
+    for (old, new) in unknowns[width..].chunks_mut(width).zip(&new) {
+        old.iter_mut().zip(new).for_each(|(o, n)| *o += share * (n - *o));
+    }
+    unknowns[..width].fill(0.0);
+}
+
+/// Free contact force on each line, beside the given forces of ports.
+fn balance(e: &Evaluation<'_>, zeros: &[f64]) -> Balance {
     let lines = e.lines.order() + 1;
-    let zeros = vec![0.0; e.width()];
     let mut out = Balance {
         left: vec![vec![Complex64::ZERO; lines]; e.layout.sensors],
         gain: vec![vec![Complex64::ZERO; lines]; e.layout.sensors],
@@ -94,8 +147,11 @@ fn balance(e: &Evaluation<'_>) -> Balance {
         let free: Vec<Complex64> = (0..e.layout.sensors)
             .map(|s| {
                 let row = Layout::sensor_row(s);
-                let gain = -e.block.at(h, row, 1) * (-at * at);
-                let left = e.lines.acceleration[s][h] - e.displacement(&zeros, row, h) * (-at * at);
+                let sensor = e.setting.sensors[s];
+                let distortion = Complex64::from_polar(sensor.gain, -at * sensor.delay) * (-at * at);
+                let gain = -e.block.at(h, row, 1) * distortion;
+                let offset = if h == 0 { sensor.offset } else { 0.0 };
+                let left = e.lines.acceleration[s][h] - e.displacement(zeros, row, h) * distortion - offset;
                 let weight = e.lines.deviation[s][h].powi(-2);
                 numerator += gain.conj() * left * weight;
                 denominator += gain.norm_sqr() * weight;
@@ -109,8 +165,9 @@ fn balance(e: &Evaluation<'_>) -> Balance {
         }
         out.force.push(force);
         out.force_deviation.push(if denominator > 0.0 { denominator.sqrt().recip() } else { f64::INFINITY });
-        out.slip.push(e.displacement(&zeros, 0, h) - e.block.at(h, 0, 1) * force);
-        out.end.push(e.displacement(&zeros, 1, h) - e.block.at(h, 1, 1) * force);
+        out.slip_gain.push(e.block.at(h, 0, 1));
+        out.slip.push(e.displacement(zeros, 0, h) - e.block.at(h, 0, 1) * force);
+        out.end.push(e.displacement(zeros, 1, h) - e.block.at(h, 1, 1) * force);
     }
     out
 }

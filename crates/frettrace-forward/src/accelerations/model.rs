@@ -100,7 +100,7 @@ impl AccelerationModel {
     pub fn new(rig: Rig, runs: Vec<RunLines>) -> Result<Self, AccelerationError> {
         let grids =
             runs.iter().map(|r| Grid::new(r.contact_order, r.samples)).collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { rig, runs, grids, tolerance: 0.03 })
+        Ok(Self { rig, runs, grids, tolerance: 0.02 })
     }
 
     /// Fresh memory: nothing known of any run.

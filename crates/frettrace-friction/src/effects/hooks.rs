@@ -1,7 +1,7 @@
 //! The parameters of the modified law.
 
 /// Number of hooks.
-pub const HOOKS: usize = 35;
+pub const HOOKS: usize = 37;
 
 /// A parameter of [`ModifiedLaw`](super::ModifiedLaw): those of the declared laws first, then those of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -77,6 +77,10 @@ pub enum Hook {
     ForceLag,
     /// Viscous coefficient of second degree [N·s²/m²].
     ViscousSquare,
+    /// Time by which the speed that sets the friction coefficient lags behind the speed [s].
+    SpeedLag,
+    /// Time by which the velocity that sets the friction coefficient lags behind the velocity, signs included [s].
+    VelocityLag,
 }
 
 impl Hook {
@@ -117,6 +121,8 @@ impl Hook {
         Self::ModulationSine,
         Self::ForceLag,
         Self::ViscousSquare,
+        Self::SpeedLag,
+        Self::VelocityLag,
     ];
 
     /// Its name in results and its unit.
@@ -158,6 +164,8 @@ impl Hook {
             Self::ModulationSine => ("modulation_sine", "1"),
             Self::ForceLag => ("force_lag_time", "s"),
             Self::ViscousSquare => ("sigma2_square", "N·s^2/m^2"),
+            Self::SpeedLag => ("speed_lag_time", "s"),
+            Self::VelocityLag => ("velocity_lag_time", "s"),
         }
     }
 }

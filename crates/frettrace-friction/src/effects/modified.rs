@@ -108,7 +108,9 @@ impl<T: Scalar> ModifiedLaw<T> {
     /// Whether the law has a memory beside the deflection (lag, film or ageing).
     #[must_use]
     pub fn remembers(&self) -> bool {
-        self.on(Hook::LagTime) || self.on(Hook::FilmLoss) || self.on(Hook::AgeingGain)
+        [Hook::LagTime, Hook::SpeedLag, Hook::VelocityLag, Hook::FilmLoss, Hook::AgeingGain]
+            .into_iter()
+            .any(|hook| self.on(hook))
     }
 
     /// The state of a contact that has been at rest at the given slip.
@@ -142,7 +144,13 @@ impl<T: Scalar> ModifiedLaw<T> {
     fn friction(&self, end: &End<T>, sign: f64, circumstance: &Circumstance) -> T {
         let mut mu = self.at(Hook::MuKinetic);
         if self.on(Hook::StribeckRise) {
-            let weight = if self.on(Hook::LagTime) { end.memory } else { self.weight(end.speed) };
+            let weight = if self.on(Hook::LagTime) {
+                end.memory
+            } else if self.on(Hook::SpeedLag) || self.on(Hook::VelocityLag) {
+                self.weight(end.memory.abs())
+            } else {
+                self.weight(end.speed)
+            };
             mu += self.at(Hook::StribeckRise) * weight;
         }
         if self.on(Hook::FilmLoss) {
@@ -195,6 +203,11 @@ impl<T: Scalar> ModifiedLaw<T> {
         if self.on(Hook::LagTime) {
             let (old, new) = (self.weight(from.speed), self.weight(to.speed));
             relax(memory, 1.0, [old, new], dt / self.at(Hook::LagTime))
+        } else if self.on(Hook::SpeedLag) {
+            relax(memory, 1.0, [from.speed, to.speed], dt / self.at(Hook::SpeedLag))
+        } else if self.on(Hook::VelocityLag) {
+            let sign = if (to.slip - from.slip).re() < 0.0 { -1.0 } else { 1.0 };
+            relax(memory, 1.0, [from.speed * sign, to.speed * sign], dt / self.at(Hook::VelocityLag))
         } else if self.on(Hook::FilmLoss) {
             let (old, new) = (self.steady_film(from.speed), self.steady_film(to.speed));
             let builds = (old + new).re() * 0.5 > memory.re();

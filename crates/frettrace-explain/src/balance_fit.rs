@@ -1,0 +1,255 @@
+//! Structure, excitation and sensors on the balance of the runs: no friction law takes part.
+
+use crate::effects::{ALL, StructureForm};
+use crate::study::merge;
+use crate::{Study, Unknown};
+use frettrace_forward::accelerations::{AccelerationModel, Balance, Quantity, Setting};
+use frettrace_identify::{FitSettings, Model, NoSolution, Parameter, Transform, fit};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Balance of selected runs with some quantities free.
+pub(crate) struct BalanceProblem<'a> {
+    model: &'a AccelerationModel,
+    runs: &'a [usize],
+    setting: Setting,
+    quantities: Vec<Quantity>,
+    parameters: Vec<Parameter>,
+}
+
+/// A structure form on the balance, with what it costs.
+#[derive(Clone)]
+pub(crate) struct BalanceCandidate {
+    pub effect: usize,
+    pub form: &'static str,
+    pub sensor: Option<usize>,
+    pub setting: Setting,
+    pub unknowns: Vec<Unknown>,
+    /// `χ² + k ln n`.
+    pub criterion: f64,
+    /// χ² over its degrees of freedom.
+    pub reduced: f64,
+}
+
+impl<'a> BalanceProblem<'a> {
+    fn new(study: &'a Study<'_>, setting: Setting, unknowns: &[Unknown]) -> Self {
+        Self {
+            model: &study.model,
+            runs: &study.training,
+            setting,
+            quantities: unknowns.iter().map(|u| u.quantity).collect(),
+            parameters: unknowns.iter().map(|u| u.parameter.clone()).collect(),
+        }
+    }
+
+    fn at(&self, values: &[f64]) -> Setting {
+        let mut setting = self.setting.clone();
+        for (&quantity, &value) in self.quantities.iter().zip(values) {
+            setting.set(quantity, value);
+        }
+        setting
+    }
+
+    fn start(&self) -> Vec<f64> {
+        self.quantities.iter().map(|&q| self.setting.get(q).unwrap_or_default()).collect()
+    }
+}
+
+fn flatten(balances: &[Balance], residual: &mut [f64]) {
+    let mut at = 0;
+    for left in balances.iter().flat_map(|b| b.left.iter().flatten()) {
+        residual[at] = left.re;
+        residual[at + 1] = left.im;
+        at += 2;
+    }
+}
+
+impl Model for BalanceProblem<'_> {
+    type Memory = ();
+
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn residual_count(&self) -> usize {
+        self.runs
+            .iter()
+            .map(|&run| {
+                let lines = &self.model.runs[run];
+                2 * lines.acceleration.len() * (lines.order() + 1)
+            })
+            .sum()
+    }
+
+    fn memory(&self) {}
+
+    fn residual(&self, values: &[f64], _memory: &mut (), residual: &mut [f64]) -> Result<(), NoSolution> {
+        let balances = self.model.balance(&self.at(values), self.runs).map_err(|_| NoSolution)?;
+        flatten(&balances, residual);
+        if residual.iter().all(|r| r.is_finite()) { Ok(()) } else { Err(NoSolution) }
+    }
+
+    fn linearise(
+        &self, values: &[f64], free: &[bool], memory: &mut (), target: (&mut [f64], &mut DMatrix<f64>),
+    ) -> Result<(), NoSolution> {
+        let (residual, jacobian) = target;
+        self.residual(values, memory, residual)?;
+        let mut beside = vec![0.0; residual.len()];
+        for j in (0..values.len()).filter(|&j| free[j]) {
+            let size = match self.parameters[j].transform {
+                Transform::Log => values[j].abs(),
+                Transform::Linear { scale } => scale.abs(),
+            };
+            let distance = 1e-3 * size;
+            let mut moved = values.to_vec();
+            moved[j] += distance;
+            self.residual(&moved, memory, &mut beside)?;
+            for (row, (new, old)) in beside.iter().zip(residual.iter()).enumerate() {
+                jacobian[(row, j)] = (new - old) / distance;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Study<'_> {
+    /// χ² of the balance over its degrees of freedom: all training runs, and the worst of them.
+    pub(crate) fn balance_reduced(&self, setting: &Setting) -> (f64, f64) {
+        let Ok(balances) = self.model.balance(setting, &self.training) else { return (f64::INFINITY, f64::INFINITY) };
+        let mut sum = (0.0, 0.0);
+        let mut worst: f64 = 0.0;
+        for balance in &balances {
+            let (chi, freedom) = balance.chi_squared();
+            sum = (sum.0 + chi, sum.1 + freedom as f64);
+            worst = worst.max(chi / freedom.max(1) as f64);
+        }
+        (sum.0 / f64::max(sum.1, 1.0), worst)
+    }
+
+    /// Whether the balance of the other sensors closes when one is left out.
+    pub(crate) fn one_sensor_closes(&self, setting: &Setting, limit: f64) -> bool {
+        let sensors = self.case.rig.sensors.len();
+        sensors >= 4
+            && (0..sensors).any(|silent| {
+                let mut runs = self.model.runs.clone();
+                for run in &mut runs {
+                    run.deviation[silent].iter_mut().for_each(|d| *d *= 1e6);
+                }
+                let Ok(model) = AccelerationModel::new(self.model.rig.clone(), runs) else { return false };
+                let Ok(balances) = model.balance(setting, &self.training) else { return false };
+                let (chi, freedom) = balances.iter().map(Balance::chi_squared).fold((0.0, 0), |sum, one| {
+                    (sum.0 + one.0, sum.1 + one.1)
+                });
+                let left = freedom as f64 * (sensors - 2) as f64 / (sensors - 1) as f64;
+                chi < limit * left
+            })
+    }
+
+    fn structure_unknowns(&self) -> Vec<Unknown> {
+        let modal = |q: Quantity| matches!(q, Quantity::ModeFrequency(_) | Quantity::ModeDamping(_));
+        self.case.unknowns().into_iter().filter(|u| modal(u.quantity)).collect()
+    }
+
+    /// The structure calibrated on the balance alone, beside the unknowns of effects.
+    pub(crate) fn balance_base(&self, setting: &Setting, added: &[Unknown]) -> BalanceCandidate {
+        let form =
+            StructureForm { name: "declared", setting: setting.clone(), unknowns: Vec::new(), sensor: None };
+        let unknowns = merge(&self.structure_unknowns(), added);
+        self.balance_fit(usize::MAX, &form, &unknowns, 6)
+    }
+
+    fn balance_fit(
+        &self, effect: usize, form: &StructureForm, unknowns: &[Unknown], most: usize,
+    ) -> BalanceCandidate {
+        let problem = BalanceProblem::new(self, form.setting.clone(), unknowns);
+        let count = problem.residual_count() as f64;
+        let settings = FitSettings {
+            max_iterations: most,
+            relative_tolerance: 1e-3,
+            absolute_tolerance: 0.5,
+            ..FitSettings::default()
+        };
+        let (setting, cost) = match fit(&problem, &problem.start(), &settings) {
+            Ok(found) => (problem.at(&found.values), found.cost),
+            Err(_) => (form.setting.clone(), f64::INFINITY),
+        };
+        let sensors = self.case.rig.sensors.len() as f64;
+        let freedom = count * (sensors - 1.0) / sensors;
+        BalanceCandidate {
+            effect,
+            form: form.name,
+            sensor: form.sensor,
+            setting,
+            criterion: cost + unknowns.len() as f64 * count.ln(),
+            reduced: cost / freedom,
+            unknowns: unknowns.to_vec(),
+        }
+    }
+
+    /// Every effect outside the friction law on the balance, best first, one form each.
+    pub(crate) fn balance_candidates(
+        &self, setting: &Setting, added: &[Unknown], taken: &[usize],
+    ) -> Vec<BalanceCandidate> {
+        let forms: Vec<(usize, StructureForm)> = ALL
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| !taken.contains(index))
+            .flat_map(|(index, effect)| {
+                effect
+                    .structure_forms(self.case, setting, &self.scales)
+                    .into_iter()
+                    .map(move |form| (index, form))
+            })
+            .collect();
+        let mut order: Vec<(f64, usize)> = forms
+            .par_iter()
+            .enumerate()
+            .filter_map(|(k, (_, form))| self.promise(form).map(|left| (left, k)))
+            .collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let base = merge(&self.structure_unknowns(), added);
+        let mut found: Vec<BalanceCandidate> = order
+            .par_iter()
+            .take(PROMISING)
+            .map(|(_, k)| {
+                let (effect, form) = &forms[*k];
+                // The effect's own values first, then the structure beside them.
+                let own = self.balance_fit(*effect, form, &form.unknowns, 12);
+                let again = StructureForm { setting: own.setting, ..form.clone() };
+                self.balance_fit(*effect, &again, &merge(&base, &form.unknowns), 6)
+            })
+            .collect();
+        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        let mut best: Vec<BalanceCandidate> = Vec::new();
+        for candidate in found {
+            if !best.iter().any(|b| b.effect == candidate.effect) {
+                best.push(candidate);
+            }
+        }
+        best
+    }
+
+    /// χ² that a form leaves to first order.
+    fn promise(&self, form: &StructureForm) -> Option<f64> {
+        let problem = BalanceProblem::new(self, form.setting.clone(), &form.unknowns);
+        let count = problem.residual_count();
+        let width = form.unknowns.len();
+        let mut residual = vec![0.0; count];
+        let mut jacobian = DMatrix::zeros(count, width);
+        let start = problem.start();
+        problem.linearise(&start, &vec![true; width], &mut (), (&mut residual, &mut jacobian)).ok()?;
+        for (j, u) in form.unknowns.iter().enumerate() {
+            jacobian.column_mut(j).scale_mut(u.parameter.transform.slope(start[j].abs().max(1e-300)));
+        }
+        let right = DVector::from_vec(residual);
+        let normal = jacobian.transpose() * &jacobian;
+        let largest = normal.diagonal().max();
+        let ridge = DMatrix::from_diagonal_element(width, width, 1e-9 * largest + f64::MIN_POSITIVE);
+        let gradient = jacobian.transpose() * &right;
+        let step = (normal + ridge).cholesky()?.solve(&gradient);
+        Some(right.norm_squared() - gradient.dot(&step))
+    }
+}
+
+/// Forms that are fitted on the balance.
+const PROMISING: usize = 8;

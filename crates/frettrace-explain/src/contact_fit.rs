@@ -1,0 +1,242 @@
+//! The law on recovered motion: the contact without the structure around it.
+//!
+//! Residuals are recovered minus answered force lines over `σ_F·|1 + σ0 N R|`: an error of the recovered force moves the
+//! recovered slip by `R` times as much, and that moves the law's answer by its stiffness.
+
+use frettrace_forward::accelerations::{AccelerationError, AccelerationModel, Balance};
+use frettrace_fourier::{Grid, GridError};
+use frettrace_friction::Step;
+use frettrace_friction::effects::{Circumstance, Hook, ModifiedLaw, ModifiedState};
+use frettrace_identify::{Fit, FitSettings, IdentifyError, Model, NoSolution, Parameter, fit};
+use nalgebra::DMatrix;
+use num_complex::Complex64;
+
+/// Recovered motion and force lines of one run.
+pub(crate) struct Recovered {
+    pub run: usize,
+    pub slip: Vec<f64>,
+    pub velocity: Vec<f64>,
+    pub normal: Vec<f64>,
+    pub force: Vec<Complex64>,
+    pub deviation: Vec<f64>,
+    grid: Grid,
+    dt: f64,
+    preload: f64,
+    progress: f64,
+    fundamental: usize,
+}
+
+/// Highest line (of the excitation) kept at contact level.
+const LINES: usize = 24;
+/// Relative accuracy of a recovered force line: what is left of the structure's errors.
+const RELATIVE_ACCURACY: f64 = 3e-4;
+
+impl Recovered {
+    pub fn new(
+        model: &AccelerationModel, (run, subharmonic): (usize, usize), balance: &Balance, stiffness: f64,
+    ) -> Result<Self, GridError> {
+        let lines = &model.runs[run];
+        let order = lines.order().min(LINES * subharmonic);
+        let samples = (8 * order).next_power_of_two().clamp(128, 512);
+        let grid = Grid::new(order, samples)?;
+        let mut scratch = grid.scratch();
+        let mut sampled = |of: &dyn Fn(usize) -> Complex64| {
+            let lines: Vec<Complex64> =
+                (0..=order).map(|h| if h == 0 { Complex64::ZERO } else { of(h) }).collect();
+            let mut out = vec![0.0; samples];
+            grid.evaluate(&lines, &mut out, &mut scratch);
+            out
+        };
+        let slip = sampled(&|h| balance.slip[h]);
+        let velocity = sampled(&|h| balance.slip[h] * Complex64::new(0.0, h as f64 * lines.omega));
+        let end = sampled(&|h| balance.end[h]);
+        let turns = model.rig.lever.is_some();
+        let stiffness_of_end = if turns && model.rig.boundary.support_stiffness.is_finite() {
+            model.rig.boundary.support_stiffness
+        } else {
+            0.0
+        };
+        let normal = end.iter().map(|w| lines.preload - stiffness_of_end * w).collect();
+        let peak = balance.force.iter().map(|f| f.norm()).fold(0.0, f64::max);
+        let deviation = (0..=order)
+            .map(|h| {
+                let answer = 1.0 + balance.slip_gain[h] * stiffness;
+                (balance.force_deviation[h] * answer.norm()).hypot(RELATIVE_ACCURACY * peak / (1.0 + h as f64))
+            })
+            .collect();
+        let dt = std::f64::consts::TAU / lines.omega / samples as f64;
+        Ok(Self {
+            run,
+            slip,
+            velocity,
+            normal,
+            force: balance.force[..=order].to_vec(),
+            deviation,
+            grid,
+            dt,
+            preload: lines.preload,
+            progress: lines.progress,
+            fundamental: subharmonic,
+        })
+    }
+
+    fn circumstance(&self, k: usize, modulation: Option<usize>) -> Circumstance {
+        let samples = self.slip.len();
+        let phase = |k: usize, order: usize| {
+            let angle = std::f64::consts::TAU * ((order * self.fundamental * k) % samples) as f64 / samples as f64;
+            [angle.cos(), angle.sin()]
+        };
+        Circumstance {
+            preload: self.preload,
+            progress: self.progress,
+            phase: modulation.map_or([[1.0, 0.0]; 2], |m| [phase(k, m), phase(k + 1, m)]),
+        }
+    }
+
+    /// Force of the law over the settled period.
+    pub fn answer(&self, law: &ModifiedLaw<f64>, modulation: usize) -> Vec<f64> {
+        let samples = self.slip.len();
+        let modulation = law.get(Hook::ModulationCosine).map(|_| modulation);
+        let step = |k: usize| {
+            let next = if k + 1 == samples { 0 } else { k + 1 };
+            Step {
+                slip: [self.slip[k], self.slip[next]],
+                velocity: [self.velocity[k], self.velocity[next]],
+                normal: [self.normal[k], self.normal[next]],
+                dt: self.dt,
+            }
+        };
+        let virgin = Step {
+            slip: [0.0, self.slip[0]],
+            velocity: [self.velocity[0]; 2],
+            normal: [self.normal[0]; 2],
+            dt: self.dt,
+        };
+        let mut force = vec![0.0; samples];
+        let (mut state, _) = law.advance(law.rest_at(0.0), &virgin, &self.circumstance(0, modulation));
+        for _ in 0..6 {
+            let before: ModifiedState<f64> = state;
+            for k in 0..samples {
+                let (next, f) = law.advance(state, &step(k), &self.circumstance(k, modulation));
+                state = next;
+                force[(k + 1) % samples] = f;
+            }
+            let closed = state.0.iter().zip(&before.0).all(|(a, b)| (a - b).abs() <= 1e-7 * (1e-9 + b.abs()));
+            if closed {
+                break;
+            }
+        }
+        force
+    }
+
+    fn residual(&self, law: &ModifiedLaw<f64>, modulation: usize, out: &mut [f64]) {
+        let force = self.answer(law, modulation);
+        let mut lines = vec![Complex64::ZERO; self.force.len()];
+        self.grid.project(&force, &mut lines, &mut self.grid.scratch());
+        for h in 1..self.force.len() {
+            let left = (self.force[h] - lines[h]) / self.deviation[h];
+            out[2 * h - 2] = left.re;
+            out[2 * h - 1] = left.im;
+        }
+    }
+
+    fn count(&self) -> usize {
+        2 * (self.force.len() - 1)
+    }
+}
+
+/// A law with some of its hooks free, against recovered contacts.
+pub(crate) struct ContactProblem<'a> {
+    pub recovered: &'a [Recovered],
+    pub law: ModifiedLaw<f64>,
+    pub modulation: usize,
+    pub hooks: Vec<Hook>,
+    pub parameters: Vec<Parameter>,
+}
+
+impl ContactProblem<'_> {
+    pub fn at(&self, values: &[f64]) -> ModifiedLaw<f64> {
+        let mut law = self.law;
+        for (&hook, &value) in self.hooks.iter().zip(values) {
+            law.set(hook, value);
+        }
+        law
+    }
+
+    pub fn solve(&self, most: usize) -> Result<Fit, IdentifyError> {
+        let start: Vec<f64> = self.hooks.iter().map(|h| self.law.get(*h).unwrap_or_default()).collect();
+        let settings = FitSettings {
+            max_iterations: most,
+            relative_tolerance: 1e-3,
+            absolute_tolerance: 0.5,
+            ..FitSettings::default()
+        };
+        fit(self, &start, &settings)
+    }
+}
+
+impl Model for ContactProblem<'_> {
+    type Memory = ();
+
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn residual_count(&self) -> usize {
+        self.recovered.iter().map(Recovered::count).sum()
+    }
+
+    fn memory(&self) {}
+
+    fn residual(&self, values: &[f64], _memory: &mut (), residual: &mut [f64]) -> Result<(), NoSolution> {
+        let law = self.at(values);
+        let mut at = 0;
+        for recovered in self.recovered {
+            recovered.residual(&law, self.modulation, &mut residual[at..at + recovered.count()]);
+            at += recovered.count();
+        }
+        if residual.iter().all(|r| r.is_finite()) { Ok(()) } else { Err(NoSolution) }
+    }
+
+    fn linearise(
+        &self, values: &[f64], free: &[bool], memory: &mut (), target: (&mut [f64], &mut DMatrix<f64>),
+    ) -> Result<(), NoSolution> {
+        let (residual, jacobian) = target;
+        self.residual(values, memory, residual)?;
+        let mut beside = vec![0.0; residual.len()];
+        for j in (0..values.len()).filter(|&j| free[j]) {
+            let size = match self.parameters[j].transform {
+                frettrace_identify::Transform::Log => values[j].abs(),
+                frettrace_identify::Transform::Linear { scale } => scale.abs(),
+            };
+            let mut distance = 1e-4 * size;
+            if values[j] + distance > self.parameters[j].bounds.1 {
+                distance = -distance;
+            }
+            let mut moved = values.to_vec();
+            moved[j] += distance;
+            self.residual(&moved, memory, &mut beside)?;
+            for (row, (new, old)) in beside.iter().zip(residual.iter()).enumerate() {
+                jacobian[(row, j)] = (new - old) / distance;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Recovers the contact of the selected runs.
+pub(crate) fn recover(
+    model: &AccelerationModel, setting: &frettrace_forward::accelerations::Setting,
+    selected: &[(usize, usize)], sigma0: f64,
+) -> Result<Vec<Recovered>, AccelerationError> {
+    let runs: Vec<usize> = selected.iter().map(|s| s.0).collect();
+    let balances = model.balance(setting, &runs)?;
+    selected
+        .iter()
+        .zip(&balances)
+        .map(|(&run, balance)| {
+            let stiffness = sigma0 * model.runs[run.0].preload;
+            Ok(Recovered::new(model, run, balance, stiffness)?)
+        })
+        .collect()
+}

@@ -1,0 +1,39 @@
+//! `contact.backlash`.
+//!
+//! *Adds*: play between the beam and the contact: after a reversal nothing moves the bristles until it is taken up.
+//!
+//! *Shows as*: a delay of the contact force after every reversal, the same length at every level.
+//!
+//! *Mistaken for*: `contact.tangential-stiffness`, `friction.breakaway`; told apart by quasi-static loops: with play the force rests on a plateau after each reversal.
+
+use super::{Effect, EffectPlace, Change, ContactForm};
+use crate::Scales;
+use frettrace_friction::effects::{Hook, ModifiedLaw};
+
+pub(super) struct ContactBacklash;
+
+impl Effect for ContactBacklash {
+    fn id(&self) -> &'static str {
+        "contact.backlash"
+    }
+
+    fn place(&self) -> EffectPlace {
+        EffectPlace::Contact
+    }
+
+    fn rivals(&self) -> &'static [&'static str] {
+        &["contact.tangential-stiffness", "friction.breakaway"]
+    }
+
+    fn experiment(&self) -> &'static str {
+        "quasi-static loops: with play the force rests on a plateau after each reversal"
+    }
+
+    fn contact_forms(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
+        [0.03, 0.15]
+            .map(|share| {
+                ContactForm::new("play", vec![Change::positive(Hook::Backlash, share * scales.slip, 1e-4)])
+            })
+            .into()
+    }
+}

@@ -1,0 +1,43 @@
+//! `contact.tangential-stiffness`.
+//!
+//! *Adds*: a spring beside the contact (or a compliance in series with it).
+//!
+//! *Shows as*: a force in phase with slip that does not saturate with the level.
+//!
+//! *Mistaken for*: `friction.exponent`, `friction.breakaway`; told apart by loops far below sliding: a spring beside the contact stays when friction is taken away.
+
+use super::{Effect, EffectPlace, Change, ContactForm};
+use crate::Scales;
+use frettrace_friction::effects::{Hook, ModifiedLaw};
+
+pub(super) struct ContactTangentialStiffness;
+
+impl Effect for ContactTangentialStiffness {
+    fn id(&self) -> &'static str {
+        "contact.tangential-stiffness"
+    }
+
+    fn place(&self) -> EffectPlace {
+        EffectPlace::Contact
+    }
+
+    fn rivals(&self) -> &'static [&'static str] {
+        &["friction.exponent", "friction.breakaway"]
+    }
+
+    fn experiment(&self) -> &'static str {
+        "loops far below sliding: a spring beside the contact stays when friction is taken away"
+    }
+
+    fn contact_forms(&self, law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
+        let size = 0.02 * law.get(Hook::MuKinetic).unwrap_or(0.3) * scales.preload / scales.slip;
+        let sigma0 = law.get(Hook::Sigma0).unwrap_or(1e5);
+        vec![
+            ContactForm::new("spring beside", vec![Change::signed(Hook::ParallelStiffness, size)]),
+            ContactForm::new("compliance in series", vec![Change::from_zero(
+                Hook::SeriesCompliance,
+                0.1 / (sigma0 * scales.preload),
+            )]),
+        ]
+    }
+}

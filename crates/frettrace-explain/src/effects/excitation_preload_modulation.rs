@@ -1,0 +1,44 @@
+//! `excitation.preload-modulation`.
+//!
+//! *Adds*: a preload that varies with the excitation or its second harmonic.
+//!
+//! *Shows as*: friction that follows a normal force of its own.
+//!
+//! *Mistaken for*: `friction.normal-dependence`, `contact.normal-stiffening`; told apart by a load cell under the support.
+
+use super::{Effect, EffectPlace, Change, ContactForm};
+use crate::Scales;
+use frettrace_friction::effects::{Hook, ModifiedLaw};
+
+pub(super) struct ExcitationPreloadModulation;
+
+impl Effect for ExcitationPreloadModulation {
+    fn id(&self) -> &'static str {
+        "excitation.preload-modulation"
+    }
+
+    fn place(&self) -> EffectPlace {
+        EffectPlace::Excitation
+    }
+
+    fn rivals(&self) -> &'static [&'static str] {
+        &["friction.normal-dependence", "contact.normal-stiffening"]
+    }
+
+    fn experiment(&self) -> &'static str {
+        "a load cell under the support"
+    }
+
+    fn contact_forms(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<ContactForm> {
+        [1, 2]
+            .map(|order| {
+                let mut form = ContactForm::new("with the excitation", vec![
+                    Change::linear(Hook::ModulationCosine, 0.02, 0.05, (-1.5, 1.5)),
+                    Change::linear(Hook::ModulationSine, 0.02, 0.05, (-1.5, 1.5)),
+                ]);
+                form.modulation = order;
+                form
+            })
+            .into()
+    }
+}

@@ -1,0 +1,35 @@
+//! `friction.asymmetry`.
+//!
+//! *Adds*: a friction coefficient that differs between the two directions, `μ(1 + a·sgn v)`.
+//!
+//! *Shows as*: even harmonics of the force that appear with sliding.
+//!
+//! *Mistaken for*: `friction.position`; told apart by the contact turned round: the harmonics of even order change sign.
+
+use super::{Effect, EffectPlace, Change, ContactForm};
+use crate::Scales;
+use frettrace_friction::effects::{Hook, ModifiedLaw};
+
+pub(super) struct FrictionAsymmetry;
+
+impl Effect for FrictionAsymmetry {
+    fn id(&self) -> &'static str {
+        "friction.asymmetry"
+    }
+
+    fn place(&self) -> EffectPlace {
+        EffectPlace::Contact
+    }
+
+    fn rivals(&self) -> &'static [&'static str] {
+        &["friction.position"]
+    }
+
+    fn experiment(&self) -> &'static str {
+        "the contact turned round: the harmonics of even order change sign"
+    }
+
+    fn contact_forms(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<ContactForm> {
+        vec![ContactForm::new("by direction", vec![Change::linear(Hook::Asymmetry, 0.02, 0.02, (-0.9, 0.9))])]
+    }
+}

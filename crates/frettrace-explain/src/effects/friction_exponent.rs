@@ -1,0 +1,41 @@
+//! `friction.exponent`.
+//!
+//! *Adds*: the exponent of the bristle law, `|1 − r|^i`.
+//!
+//! *Shows as*: the bend between presliding and sliding is sharper or rounder.
+//!
+//! *Mistaken for*: `friction.breakaway`, `contact.tangential-stiffness`; told apart by small loops at finely stepped levels: the power of dissipation against amplitude is the exponent.
+
+use super::{Effect, EffectPlace, Change, ContactForm, known};
+use crate::Scales;
+use frettrace_friction::effects::{Hook, ModifiedLaw};
+
+pub(super) struct FrictionExponent;
+
+impl Effect for FrictionExponent {
+    fn id(&self) -> &'static str {
+        "friction.exponent"
+    }
+
+    fn place(&self) -> EffectPlace {
+        EffectPlace::Contact
+    }
+
+    fn rivals(&self) -> &'static [&'static str] {
+        &["friction.breakaway", "contact.tangential-stiffness"]
+    }
+
+    fn experiment(&self) -> &'static str {
+        "small loops at finely stepped levels: the power of dissipation against amplitude is the exponent"
+    }
+
+    fn contact_forms(&self, law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<ContactForm> {
+        if known(law, &[Hook::Exponent, Hook::Breakaway]) {
+            return Vec::new();
+        }
+        vec![
+            ContactForm::new("sharper", vec![Change::between(Hook::Exponent, 0.8, (0.02, 8.0))]),
+            ContactForm::new("rounder", vec![Change::between(Hook::Exponent, 1.3, (0.02, 8.0))]),
+        ]
+    }
+}

@@ -1,0 +1,57 @@
+//! `friction.lag`.
+//!
+//! *Adds*: a friction coefficient (or force) that follows the motion with a delay.
+//!
+//! *Shows as*: loops whose sliding branches differ between rising and falling speed.
+//!
+//! *Mistaken for*: `friction.film`, `friction.stribeck`; told apart by the same level at two excitation frequencies: the loop opens with frequency where friction lags.
+
+use super::{Effect, EffectPlace, Change, ContactForm, known};
+use crate::Scales;
+use frettrace_friction::effects::{Hook, ModifiedLaw};
+
+pub(super) struct FrictionLag;
+
+impl Effect for FrictionLag {
+    fn id(&self) -> &'static str {
+        "friction.lag"
+    }
+
+    fn place(&self) -> EffectPlace {
+        EffectPlace::Contact
+    }
+
+    fn rivals(&self) -> &'static [&'static str] {
+        &["friction.film", "friction.stribeck"]
+    }
+
+    fn experiment(&self) -> &'static str {
+        "the same level at two excitation frequencies: the loop opens with frequency where friction lags"
+    }
+
+    fn contact_forms(&self, law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
+        let mu = law.get(Hook::MuKinetic).unwrap_or(0.3);
+        let mut forms = Vec::new();
+        for share in [0.01, 0.05] {
+            for (name, hook) in [
+                ("lagging coefficient", Hook::LagTime),
+                ("lagging speed", Hook::SpeedLag),
+                ("lagging velocity", Hook::VelocityLag),
+            ] {
+                let time = Change::positive(hook, share * scales.period, 1e-4);
+                if known(law, &[Hook::StribeckRise]) {
+                    forms.push(ContactForm::new(name, vec![time]));
+                } else {
+                    forms.push(ContactForm::new(name, vec![
+                        Change::positive(Hook::StribeckRise, 0.3 * mu, 1e-3),
+                        Change::positive(Hook::StribeckVelocity, 0.2 * scales.velocity, 1e-3),
+                        time,
+                    ]));
+                }
+            }
+            let time = Change::positive(Hook::ForceLag, 0.3 * share * scales.period, 1e-4);
+            forms.push(ContactForm::new("lagging force", vec![time]));
+        }
+        forms
+    }
+}

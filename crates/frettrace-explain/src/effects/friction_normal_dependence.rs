@@ -1,0 +1,35 @@
+//! `friction.normal-dependence`.
+//!
+//! *Adds*: a friction coefficient that depends on the normal force, `μ ∝ (N/N₀)^(−n)`.
+//!
+//! *Shows as*: friction that does not follow the normal force in proportion: even harmonics at the higher levels.
+//!
+//! *Mistaken for*: `contact.normal-stiffening`, `excitation.preload-modulation`; told apart by two preloads at the same level: the coefficient itself changes.
+
+use super::{Effect, EffectPlace, Change, ContactForm};
+use crate::Scales;
+use frettrace_friction::effects::{Hook, ModifiedLaw};
+
+pub(super) struct FrictionNormalDependence;
+
+impl Effect for FrictionNormalDependence {
+    fn id(&self) -> &'static str {
+        "friction.normal-dependence"
+    }
+
+    fn place(&self) -> EffectPlace {
+        EffectPlace::Contact
+    }
+
+    fn rivals(&self) -> &'static [&'static str] {
+        &["contact.normal-stiffening", "excitation.preload-modulation"]
+    }
+
+    fn experiment(&self) -> &'static str {
+        "two preloads at the same level: the coefficient itself changes"
+    }
+
+    fn contact_forms(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<ContactForm> {
+        vec![ContactForm::new("power law", vec![Change::linear(Hook::NormalExponent, 0.05, 0.1, (-2.0, 2.0))])]
+    }
+}

@@ -1,0 +1,42 @@
+//! `friction.position`.
+//!
+//! *Adds*: a friction coefficient that changes along the slip path, `μ(1 + p·u + q·u²)`.
+//!
+//! *Shows as*: friction that differs at the two ends of the stroke.
+//!
+//! *Mistaken for*: `friction.asymmetry`, `friction.position-periodic`, `contact.tangential-stiffness`; told apart by the mean position moved by a known step: the change of friction moves with it.
+
+use super::{Effect, EffectPlace, Change, ContactForm};
+use crate::Scales;
+use frettrace_friction::effects::{Hook, ModifiedLaw};
+
+pub(super) struct FrictionPosition;
+
+impl Effect for FrictionPosition {
+    fn id(&self) -> &'static str {
+        "friction.position"
+    }
+
+    fn place(&self) -> EffectPlace {
+        EffectPlace::Contact
+    }
+
+    fn rivals(&self) -> &'static [&'static str] {
+        &["friction.asymmetry", "friction.position-periodic", "contact.tangential-stiffness"]
+    }
+
+    fn experiment(&self) -> &'static str {
+        "the mean position moved by a known step: the change of friction moves with it"
+    }
+
+    fn contact_forms(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
+        let size = 0.05 / scales.slip;
+        vec![
+            ContactForm::new("linear", vec![Change::signed(Hook::Position, size)]),
+            ContactForm::new("quadratic", vec![
+                Change::signed(Hook::Position, size),
+                Change::signed(Hook::PositionSquare, size / scales.slip),
+            ]),
+        ]
+    }
+}

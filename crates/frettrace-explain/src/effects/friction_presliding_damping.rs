@@ -1,0 +1,45 @@
+//! `friction.presliding-damping`.
+//!
+//! *Adds*: a force `N·σ1·ż` on the bristles.
+//!
+//! *Shows as*: dissipation in the small loops, gone where the contact slides.
+//!
+//! *Mistaken for*: `friction.viscous`, `structure.modal-damping`; told apart by small loops at two frequencies: presliding damping grows with frequency, hysteresis does not.
+
+use super::{Effect, EffectPlace, Change, ContactForm, known};
+use crate::Scales;
+use frettrace_friction::effects::{Hook, ModifiedLaw};
+
+pub(super) struct FrictionPreslidingDamping;
+
+impl Effect for FrictionPreslidingDamping {
+    fn id(&self) -> &'static str {
+        "friction.presliding-damping"
+    }
+
+    fn place(&self) -> EffectPlace {
+        EffectPlace::Contact
+    }
+
+    fn rivals(&self) -> &'static [&'static str] {
+        &["friction.viscous", "structure.modal-damping"]
+    }
+
+    fn experiment(&self) -> &'static str {
+        "small loops at two frequencies: presliding damping grows with frequency, hysteresis does not"
+    }
+
+    fn contact_forms(&self, law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
+        if known(law, &[Hook::Sigma1]) {
+            return Vec::new();
+        }
+        let size = 0.05 * law.get(Hook::MuKinetic).unwrap_or(0.3) / scales.velocity;
+        vec![
+            ContactForm::new("constant", vec![Change::from_zero(Hook::Sigma1, size)]),
+            ContactForm::new("fading with speed", vec![
+                Change::from_zero(Hook::Sigma1, 3.0 * size),
+                Change::positive(Hook::DampingVelocity, 0.3 * scales.velocity, 1e-3),
+            ]),
+        ]
+    }
+}

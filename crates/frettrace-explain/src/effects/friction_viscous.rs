@@ -1,0 +1,39 @@
+//! `friction.viscous`.
+//!
+//! *Adds*: a force `σ2·v` beside the bristles.
+//!
+//! *Shows as*: a force in phase with the slip velocity that grows with the level.
+//!
+//! *Mistaken for*: `structure.modal-damping`; told apart by a decay test with the contact open: damping of the structure stays, viscous friction of the contact goes.
+
+use super::{Effect, EffectPlace, Change, ContactForm, known};
+use crate::Scales;
+use frettrace_friction::effects::{Hook, ModifiedLaw};
+
+pub(super) struct FrictionViscous;
+
+impl Effect for FrictionViscous {
+    fn id(&self) -> &'static str {
+        "friction.viscous"
+    }
+
+    fn place(&self) -> EffectPlace {
+        EffectPlace::Contact
+    }
+
+    fn rivals(&self) -> &'static [&'static str] {
+        &["structure.modal-damping"]
+    }
+
+    fn experiment(&self) -> &'static str {
+        "a decay test with the contact open: damping of the structure stays, viscous friction of the contact goes"
+    }
+
+    fn contact_forms(&self, law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
+        if known(law, &[Hook::Viscous]) {
+            return Vec::new();
+        }
+        let size = 0.05 * law.get(Hook::MuKinetic).unwrap_or(0.3) * scales.preload / scales.velocity;
+        vec![ContactForm::new("linear", vec![Change::from_zero(Hook::Viscous, size)])]
+    }
+}

@@ -1,0 +1,35 @@
+//! `friction.wear`.
+//!
+//! *Adds*: a friction coefficient that changes steadily from the first run to the last.
+//!
+//! *Shows as*: a residual that grows from run to run, not with the level.
+//!
+//! *Mistaken for*: `structure.frequency-drift`; told apart by the first run repeated at the end: worn friction does not come back.
+
+use super::{Effect, EffectPlace, Change, ContactForm};
+use crate::Scales;
+use frettrace_friction::effects::{Hook, ModifiedLaw};
+
+pub(super) struct FrictionWear;
+
+impl Effect for FrictionWear {
+    fn id(&self) -> &'static str {
+        "friction.wear"
+    }
+
+    fn place(&self) -> EffectPlace {
+        EffectPlace::Contact
+    }
+
+    fn rivals(&self) -> &'static [&'static str] {
+        &["structure.frequency-drift"]
+    }
+
+    fn experiment(&self) -> &'static str {
+        "the first run repeated at the end: worn friction does not come back"
+    }
+
+    fn contact_forms(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<ContactForm> {
+        vec![ContactForm::new("from run to run", vec![Change::linear(Hook::Wear, 0.02, 0.05, (-0.9, 5.0))])]
+    }
+}

@@ -1,0 +1,228 @@
+//! Candidate effects, one file each.
+//!
+//! An effect says what it adds to the model, in one or several forms (another laboratory's formula is another form of
+//! the same effect), and what it may be mistaken for. To add one: a file here, a line in [`ALL`], a row in the book.
+
+mod friction_stribeck;
+mod friction_viscous;
+mod friction_lag;
+mod friction_film;
+mod friction_ageing;
+mod friction_asymmetry;
+mod friction_breakaway;
+mod friction_exponent;
+mod friction_presliding_damping;
+mod friction_position;
+mod friction_position_periodic;
+mod friction_normal_dependence;
+mod friction_wear;
+mod contact_lift_off;
+mod contact_normal_stiffening;
+mod contact_tangential_stiffness;
+mod contact_backlash;
+mod structure_cubic_stiffness;
+mod structure_quadratic_damping;
+mod structure_clamp_compliance;
+mod structure_added_mass;
+mod structure_second_support;
+mod structure_modal_frequency;
+mod structure_modal_damping;
+mod structure_frequency_drift;
+mod excitation_preload_modulation;
+mod excitation_base_motion;
+mod measurement_gain;
+mod measurement_delay;
+mod measurement_position;
+mod measurement_offset;
+mod measurement_hum;
+mod measurement_clipping;
+mod measurement_dropout;
+
+use crate::{Case, Scales, Unknown, signed};
+use frettrace_forward::accelerations::{Port, Quantity, Setting};
+use frettrace_friction::effects::{Hook, ModifiedLaw};
+use frettrace_identify::{Parameter, Transform};
+
+/// Where an effect lives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EffectPlace {
+    /// In the friction contact.
+    Contact,
+    /// In the beam and its supports.
+    Structure,
+    /// In the excitation.
+    Excitation,
+    /// In the measurement chain.
+    Measurement,
+}
+
+/// A change of one hook of the friction law.
+#[derive(Clone, Debug)]
+pub(crate) struct Change {
+    pub hook: Hook,
+    pub start: f64,
+    /// How it is fitted; `None` where it is held.
+    pub parameter: Option<Parameter>,
+}
+
+impl Change {
+    fn new(hook: Hook, start: f64, transform: Transform, bounds: (f64, f64)) -> Self {
+        let (name, unit) = hook.name_and_unit();
+        let parameter = Parameter { transform, ..Parameter::positive(name, unit, bounds) };
+        Self { hook, start, parameter: Some(parameter) }
+    }
+
+    /// A positive value, fitted in its logarithm down to `least` times the start and as far up.
+    pub fn positive(hook: Hook, start: f64, least: f64) -> Self {
+        Self::new(hook, start, Transform::Log, (least * start, start / least))
+    }
+
+    /// A positive value in a range, fitted linearly.
+    pub fn between(hook: Hook, start: f64, bounds: (f64, f64)) -> Self {
+        Self::new(hook, start, Transform::Linear { scale: 0.2 * start }, bounds)
+    }
+
+    /// A value that is zero without the effect and cannot be negative.
+    pub fn from_zero(hook: Hook, size: f64) -> Self {
+        Self::new(hook, size, Transform::Linear { scale: size }, (0.0, f64::INFINITY))
+    }
+
+    /// A value of either sign around a start.
+    pub fn linear(hook: Hook, start: f64, scale: f64, bounds: (f64, f64)) -> Self {
+        Self::new(hook, start, Transform::Linear { scale }, bounds)
+    }
+
+    /// A value of either sign without bounds.
+    pub fn signed(hook: Hook, size: f64) -> Self {
+        Self::new(hook, 0.1 * size, Transform::Linear { scale: size }, FREE)
+    }
+
+    /// A value that is held.
+    pub fn fixed(hook: Hook, value: f64) -> Self {
+        Self { hook, start: value, parameter: None }
+    }
+}
+
+/// One form of an effect in the contact.
+#[derive(Clone, Debug)]
+pub(crate) struct ContactForm {
+    pub name: &'static str,
+    pub changes: Vec<Change>,
+    /// Order of the excitation's line with which the preload is modulated.
+    pub modulation: usize,
+}
+
+impl ContactForm {
+    pub fn new(name: &'static str, changes: Vec<Change>) -> Self {
+        Self { name, changes, modulation: 1 }
+    }
+}
+
+/// One form of an effect in the structure, the excitation or the measurement.
+#[derive(Clone, Debug)]
+pub(crate) struct StructureForm {
+    pub name: &'static str,
+    pub setting: Setting,
+    pub unknowns: Vec<Unknown>,
+    pub sensor: Option<usize>,
+}
+
+/// A candidate effect.
+pub(crate) trait Effect: Sync {
+    /// Its id in the contract's list.
+    fn id(&self) -> &'static str;
+
+    /// Where it lives.
+    fn place(&self) -> EffectPlace;
+
+    /// Ids it may be mistaken for.
+    fn rivals(&self) -> &'static [&'static str];
+
+    /// The experiment that tells it from its rivals.
+    fn experiment(&self) -> &'static str;
+
+    /// Its forms in the contact; none where the law already has its mechanism.
+    fn contact_forms(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<ContactForm> {
+        Vec::new()
+    }
+
+    /// Its forms in structure, excitation or measurement.
+    fn structure_forms(&self, _case: &Case, _setting: &Setting, _scales: &Scales) -> Vec<StructureForm> {
+        Vec::new()
+    }
+}
+
+/// Every effect.
+pub(crate) const ALL: [&dyn Effect; 34] = [
+    &friction_stribeck::FrictionStribeck,
+    &friction_viscous::FrictionViscous,
+    &friction_lag::FrictionLag,
+    &friction_film::FrictionFilm,
+    &friction_ageing::FrictionAgeing,
+    &friction_asymmetry::FrictionAsymmetry,
+    &friction_breakaway::FrictionBreakaway,
+    &friction_exponent::FrictionExponent,
+    &friction_presliding_damping::FrictionPreslidingDamping,
+    &friction_position::FrictionPosition,
+    &friction_position_periodic::FrictionPositionPeriodic,
+    &friction_normal_dependence::FrictionNormalDependence,
+    &friction_wear::FrictionWear,
+    &contact_lift_off::ContactLiftOff,
+    &contact_normal_stiffening::ContactNormalStiffening,
+    &contact_tangential_stiffness::ContactTangentialStiffness,
+    &contact_backlash::ContactBacklash,
+    &structure_cubic_stiffness::StructureCubicStiffness,
+    &structure_quadratic_damping::StructureQuadraticDamping,
+    &structure_clamp_compliance::StructureClampCompliance,
+    &structure_added_mass::StructureAddedMass,
+    &structure_second_support::StructureSecondSupport,
+    &structure_modal_frequency::StructureModalFrequency,
+    &structure_modal_damping::StructureModalDamping,
+    &structure_frequency_drift::StructureFrequencyDrift,
+    &excitation_preload_modulation::ExcitationPreloadModulation,
+    &excitation_base_motion::ExcitationBaseMotion,
+    &measurement_gain::MeasurementGain,
+    &measurement_delay::MeasurementDelay,
+    &measurement_position::MeasurementPosition,
+    &measurement_offset::MeasurementOffset,
+    &measurement_hum::MeasurementHum,
+    &measurement_clipping::MeasurementClipping,
+    &measurement_dropout::MeasurementDropout,
+];
+
+/// No bounds.
+pub(crate) const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+fn known(law: &ModifiedLaw<f64>, hooks: &[Hook]) -> bool {
+    hooks.iter().any(|hook| law.get(*hook).is_some())
+}
+
+fn with_port(setting: &Setting, port: Port) -> (Setting, usize) {
+    let mut setting = setting.clone();
+    setting.ports.push(port);
+    let index = setting.ports.len() - 1;
+    (setting, index)
+}
+
+/// A position along the beam.
+fn place(quantity: Quantity, scales: &Scales) -> Unknown {
+    let bounds = (0.02 * scales.length, 0.98 * scales.length);
+    signed(quantity, ("position", "m"), 0.03 * scales.length, bounds)
+}
+
+/// Static stiffness of a cantilever's tip, `3EI/L³`.
+fn spring_scale(case: &Case) -> f64 {
+    3.0 * case.rig.beam.bending_stiffness / case.rig.beam.length.powi(3)
+}
+
+/// A cubic coefficient that matters at a displacement of a hundredth of the beam's length.
+fn cube_scale(case: &Case, scales: &Scales, modal: bool) -> f64 {
+    let mass = if modal { scales.mass } else { 1.0 };
+    spring_scale(case) / (1e-4 * scales.length.powi(2)) / (mass * mass)
+}
+
+/// A quadratic damping that matters at a velocity of a metre a second.
+fn drag_scale(case: &Case, modal: bool) -> f64 {
+    let mass = case.rig.beam.mass_per_length * case.rig.beam.length;
+    if modal { 1.0 / mass.sqrt() } else { 0.1 * mass }
+}

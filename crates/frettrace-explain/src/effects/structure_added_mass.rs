@@ -1,0 +1,43 @@
+//! `structure.added-mass`.
+//!
+//! *Adds*: a mass at a place of the beam.
+//!
+//! *Shows as*: lines near the upper resonances off at every level, in proportion to the acceleration at one place.
+//!
+//! *Mistaken for*: `structure.modal-frequency`, `structure.second-support`; told apart by modes measured with the friction removed: a mass lowers those that move at its place.
+
+use super::{Effect, EffectPlace, place, StructureForm};
+use crate::{Case, Scales, signed};
+use frettrace_forward::accelerations::{Quantity, Setting};
+
+pub(super) struct StructureAddedMass;
+
+impl Effect for StructureAddedMass {
+    fn id(&self) -> &'static str {
+        "structure.added-mass"
+    }
+
+    fn place(&self) -> EffectPlace {
+        EffectPlace::Structure
+    }
+
+    fn rivals(&self) -> &'static [&'static str] {
+        &["structure.modal-frequency", "structure.second-support"]
+    }
+
+    fn experiment(&self) -> &'static str {
+        "modes measured with the friction removed: a mass lowers those that move at its place"
+    }
+
+    fn structure_forms(&self, _case: &Case, setting: &Setting, scales: &Scales) -> Vec<StructureForm> {
+        [0.15, 0.3, 0.45, 0.6, 0.75, 0.9]
+            .map(|share| {
+                let mut setting = setting.clone();
+                setting.mass = Some([0.0, share * scales.length]);
+                let mass = signed(Quantity::AddedMass, ("added_mass", "kg"), 0.005 * scales.mass, (-0.02 * scales.mass, scales.mass));
+                let unknowns = vec![mass, place(Quantity::MassPosition, scales)];
+                StructureForm { name: "point mass", setting, unknowns, sensor: None }
+            })
+            .into()
+    }
+}

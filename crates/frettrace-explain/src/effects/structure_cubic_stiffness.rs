@@ -1,0 +1,49 @@
+//! `structure.cubic-stiffness`.
+//!
+//! *Adds*: a restoring force with the cube of the motion of a mode, or at a place.
+//!
+//! *Shows as*: resonance that shifts with the level; third harmonics in the shape of the mode.
+//!
+//! *Mistaken for*: `contact.normal-stiffening`, `structure.second-support`; told apart by free decays from several amplitudes with the contact open: frequency rises with the square of the amplitude.
+
+use super::{Effect, EffectPlace, cube_scale, FREE, place, StructureForm, with_port};
+use crate::{Case, Scales, signed};
+use frettrace_forward::accelerations::{COEFFICIENTS, Port, PortLaw, PortPlace, Quantity, Setting};
+
+pub(super) struct StructureCubicStiffness;
+
+impl Effect for StructureCubicStiffness {
+    fn id(&self) -> &'static str {
+        "structure.cubic-stiffness"
+    }
+
+    fn place(&self) -> EffectPlace {
+        EffectPlace::Structure
+    }
+
+    fn rivals(&self) -> &'static [&'static str] {
+        &["contact.normal-stiffening", "structure.second-support"]
+    }
+
+    fn experiment(&self) -> &'static str {
+        "free decays from several amplitudes with the contact open: frequency rises with the square of the amplitude"
+    }
+
+    fn structure_forms(&self, case: &Case, setting: &Setting, scales: &Scales) -> Vec<StructureForm> {
+        let modes = setting.frequency.len().min(2);
+        let port = |place| Port { place, law: PortLaw::Polynomial, coefficients: [0.0; COEFFICIENTS] };
+        let mut forms: Vec<StructureForm> = Vec::new();
+        for mode in 0..modes {
+            let (setting, index) = with_port(setting, port(PortPlace::Mode(mode)));
+            let unknown = signed(Quantity::Port(index, 2), ("modal_cube", "N/m^3"), cube_scale(case, scales, true), FREE);
+            forms.push(StructureForm { name: "modal", setting, unknowns: vec![unknown], sensor: None });
+        }
+        for share in [0.3, 0.5, 0.7] {
+            let (setting, index) = with_port(setting, port(PortPlace::At(share * scales.length)));
+            let unknown = signed(Quantity::Port(index, 2), ("local_cube", "N/m^3"), cube_scale(case, scales, false), FREE);
+            let at = place(Quantity::PortPosition(index), scales);
+            forms.push(StructureForm { name: "local", setting, unknowns: vec![unknown, at], sensor: None });
+        }
+        forms
+    }
+}

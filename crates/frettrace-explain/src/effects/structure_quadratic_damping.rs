@@ -1,0 +1,49 @@
+//! `structure.quadratic-damping`.
+//!
+//! *Adds*: a force with the square of velocity, on a mode or at a place.
+//!
+//! *Shows as*: damping that grows with the level; third harmonics in phase with velocity.
+//!
+//! *Mistaken for*: `structure.modal-damping`, `friction.viscous`; told apart by free decays from several amplitudes with the contact open: damping rises with the amplitude.
+
+use super::{Effect, EffectPlace, drag_scale, FREE, place, StructureForm, with_port};
+use crate::{Case, Scales, signed};
+use frettrace_forward::accelerations::{COEFFICIENTS, Port, PortLaw, PortPlace, Quantity, Setting};
+
+pub(super) struct StructureQuadraticDamping;
+
+impl Effect for StructureQuadraticDamping {
+    fn id(&self) -> &'static str {
+        "structure.quadratic-damping"
+    }
+
+    fn place(&self) -> EffectPlace {
+        EffectPlace::Structure
+    }
+
+    fn rivals(&self) -> &'static [&'static str] {
+        &["structure.modal-damping", "friction.viscous"]
+    }
+
+    fn experiment(&self) -> &'static str {
+        "free decays from several amplitudes with the contact open: damping rises with the amplitude"
+    }
+
+    fn structure_forms(&self, case: &Case, setting: &Setting, scales: &Scales) -> Vec<StructureForm> {
+        let modes = setting.frequency.len().min(2);
+        let port = |place| Port { place, law: PortLaw::Polynomial, coefficients: [0.0; COEFFICIENTS] };
+        let mut forms: Vec<StructureForm> = Vec::new();
+        for mode in 0..modes {
+            let (setting, index) = with_port(setting, port(PortPlace::Mode(mode)));
+            let unknown = signed(Quantity::Port(index, 3), ("modal_square_damping", "N·s^2/m^2"), drag_scale(case, true), FREE);
+            forms.push(StructureForm { name: "modal", setting, unknowns: vec![unknown], sensor: None });
+        }
+        for share in [0.3, 0.5, 0.7] {
+            let (setting, index) = with_port(setting, port(PortPlace::At(share * scales.length)));
+            let unknown = signed(Quantity::Port(index, 3), ("local_square_damping", "N·s^2/m^2"), drag_scale(case, false), FREE);
+            let at = place(Quantity::PortPosition(index), scales);
+            forms.push(StructureForm { name: "local", setting, unknowns: vec![unknown, at], sensor: None });
+        }
+        forms
+    }
+}

@@ -1,0 +1,46 @@
+//! `structure.second-support`.
+//!
+//! *Adds*: a further contact along the beam: spring, dashpot, stop, play or friction.
+//!
+//! *Shows as*: a force at one place that the one contact cannot give.
+//!
+//! *Mistaken for*: `structure.added-mass`, `structure.cubic-stiffness`; told apart by a stethoscope, or a feeler gauge along the beam.
+
+use super::{Effect, EffectPlace, FREE, place, spring_scale, StructureForm, with_port};
+use crate::{Case, Scales, signed};
+use frettrace_forward::accelerations::{COEFFICIENTS, Port, PortLaw, PortPlace, Quantity, Setting};
+
+pub(super) struct StructureSecondSupport;
+
+impl Effect for StructureSecondSupport {
+    fn id(&self) -> &'static str {
+        "structure.second-support"
+    }
+
+    fn place(&self) -> EffectPlace {
+        EffectPlace::Structure
+    }
+
+    fn rivals(&self) -> &'static [&'static str] {
+        &["structure.added-mass", "structure.cubic-stiffness"]
+    }
+
+    fn experiment(&self) -> &'static str {
+        "a stethoscope, or a feeler gauge along the beam"
+    }
+
+    fn structure_forms(&self, case: &Case, setting: &Setting, scales: &Scales) -> Vec<StructureForm> {
+        let port = |place| Port { place, law: PortLaw::Polynomial, coefficients: [0.0; COEFFICIENTS] };
+        [0.15, 0.3, 0.45, 0.6, 0.75, 0.9]
+            .map(|share| {
+                let (setting, index) = with_port(setting, port(PortPlace::At(share * scales.length)));
+                let unknowns = vec![
+                    signed(Quantity::Port(index, 0), ("support_stiffness", "N/m"), spring_scale(case), FREE),
+                    signed(Quantity::Port(index, 1), ("support_damping", "N·s/m"), spring_scale(case) * scales.period, FREE),
+                    place(Quantity::PortPosition(index), scales),
+                ];
+                StructureForm { name: "spring", setting, unknowns, sensor: None }
+            })
+            .into()
+    }
+}

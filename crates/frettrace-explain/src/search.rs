@@ -1,0 +1,237 @@
+//! The search: what the contact's recovered motion says of each candidate, then the whole model for the best few.
+
+use crate::contact_fit::{ContactProblem, Recovered, recover};
+use crate::effects::{ALL, ContactForm, Effect};
+use crate::study::merge;
+use crate::{ExplainError, Fitted, Study, Unknown};
+use frettrace_forward::accelerations::{Quantity, Setting};
+use frettrace_friction::effects::{Hook, ModifiedLaw};
+use frettrace_identify::{Fit, Model, Parameter, Status};
+use rayon::prelude::*;
+
+/// Effects re-fitted with the whole model in each round.
+const BEST: usize = 3;
+/// Steps of the fit that every form gets on the recovered contacts, and forms that get all of them.
+const GLANCE: usize = 5;
+const LOOK: usize = 10;
+/// A model is complete where its error stays within this factor of the noise, over all runs …
+pub(crate) const COMPLETE: f64 = 1.05;
+/// … and in every run.
+const COMPLETE_RUN: f64 = 1.12;
+
+/// A law on recovered contacts, with what it costs.
+#[derive(Clone)]
+pub(crate) struct ContactCandidate {
+    pub effect: usize,
+    pub form: &'static str,
+    pub law: ModifiedLaw<f64>,
+    pub modulation: usize,
+    pub unknowns: Vec<Unknown>,
+    /// `χ² + k ln n` on the recovered contacts.
+    pub criterion: f64,
+}
+
+/// A model of the whole rig with named effects in it.
+#[derive(Clone)]
+pub struct Explained {
+    /// Indices of the effects in the list.
+    pub(crate) effects: Vec<usize>,
+    /// Sensor of each effect that has one.
+    pub(crate) sensors: Vec<Option<usize>>,
+    /// The fit.
+    pub fitted: Fitted,
+    /// Unknowns that the effects brought.
+    pub added: Vec<Unknown>,
+    /// `χ² + k ln n` over the training runs.
+    pub criterion: f64,
+    /// Error over noise on the training runs.
+    pub ratio: f64,
+    /// Largest error over noise of any run, training or held out.
+    pub worst: f64,
+}
+
+impl Explained {
+    /// Standard deviation of a quantity from the curvature at the fit; NaN where it was not free.
+    #[must_use]
+    pub fn deviation(&self, quantity: Quantity) -> f64 {
+        let place = self.fitted.unknowns.iter().position(|u| u.quantity == quantity);
+        place.and_then(|k| self.fitted.deviation.get(k).copied()).unwrap_or(f64::NAN)
+    }
+
+    /// Whether nothing is left to explain.
+    #[must_use]
+    pub fn complete(&self) -> bool {
+        self.ratio <= COMPLETE && self.worst <= COMPLETE_RUN
+    }
+}
+
+impl Study<'_> {
+    /// Fits a model of the whole rig: the law first, then everything where the law comes near.
+    pub(crate) fn whole(
+        &self, setting: Setting, unknowns: &[Unknown], (effects, added): (Vec<usize>, Vec<Unknown>),
+        iterations: usize,
+    ) -> Result<Explained, ExplainError> {
+        let structural = |q: Quantity| {
+            matches!(q, Quantity::ModeFrequency(_) | Quantity::ModeDamping(_) | Quantity::ContactCompliance)
+                && !added.iter().any(|a| a.quantity == q)
+        };
+        let few: Vec<Unknown> = unknowns.iter().filter(|u| !structural(u.quantity)).cloned().collect();
+        let first = self.fit(setting, &few, &self.model.memory(), iterations.min(6))?;
+        let near = self.error(&first, &self.training).ratio() < 6.0;
+        let fitted = if near {
+            self.fit(first.setting.clone(), unknowns, &first.memory, iterations)?
+        } else {
+            first
+        };
+        Ok(self.judged(fitted, effects, added))
+    }
+
+    /// A model that was not fitted: the declared values as they are.
+    pub(crate) fn blank(&self, setting: Setting, unknowns: &[Unknown]) -> Result<Explained, ExplainError> {
+        let values = unknowns.iter().map(|u| setting.get(u.quantity).unwrap_or_default()).collect();
+        let fit = Fit {
+            values,
+            cost: f64::MAX,
+            data_cost: f64::MAX,
+            iterations: 0,
+            status: Status::Stalled,
+            free: vec![true; unknowns.len()],
+            at_bound: vec![false; unknowns.len()],
+        };
+        let fitted = Fitted {
+            setting,
+            unknowns: unknowns.to_vec(),
+            fit,
+            memory: self.model.memory(),
+            deviation: Vec::new(),
+        };
+        Ok(self.judged(fitted, Vec::new(), Vec::new()))
+    }
+
+    pub(crate) fn judged(&self, fitted: Fitted, effects: Vec<usize>, added: Vec<Unknown>) -> Explained {
+        let count = self.residual_count() as f64;
+        let criterion = fitted.fit.cost + fitted.unknowns.len() as f64 * count.ln();
+        let all: Vec<usize> = self.training.iter().chain(&self.held_out).copied().collect();
+        let worst = all.iter().map(|&run| self.error(&fitted, &[run]).ratio()).fold(0.0, f64::max);
+        let ratio = self.error(&fitted, &self.training).ratio();
+        let sensors = vec![None; effects.len()];
+        Explained { effects, sensors, fitted, added, criterion, ratio, worst }
+    }
+
+    /// Recovered contacts of the training runs.
+    pub(crate) fn recovered(&self, setting: &Setting) -> Result<Vec<Recovered>, ExplainError> {
+        let selected: Vec<(usize, usize)> =
+            self.training.iter().map(|&run| (run, self.case.records[run].subharmonic)).collect();
+        let sigma0 = setting.law.get(Hook::Sigma0).unwrap_or(1e5);
+        Ok(recover(&self.model, setting, &selected, sigma0)?)
+    }
+
+    /// The law of a setting on the recovered contacts.
+    pub(crate) fn contact_base(
+        &self, recovered: &[Recovered], setting: &Setting, law_unknowns: &[Unknown],
+    ) -> Option<ContactCandidate> {
+        let form = ContactForm::new("declared", Vec::new());
+        self.contact_candidate(recovered, setting, law_unknowns, (usize::MAX, &form), 20)
+    }
+
+    fn contact_candidate(
+        &self, recovered: &[Recovered], setting: &Setting, law_unknowns: &[Unknown],
+        (effect, form): (usize, &ContactForm), most: usize,
+    ) -> Option<ContactCandidate> {
+        let mut law = setting.law;
+        let mut added = Vec::new();
+        for change in &form.changes {
+            law.set(change.hook, change.start);
+            if let Some(parameter) = &change.parameter {
+                let quantity = Quantity::Law(change.hook);
+                added.push(Unknown { quantity, parameter: parameter.clone() });
+            }
+        }
+        let unknowns = merge(law_unknowns, &added);
+        let (hooks, parameters): (Vec<Hook>, Vec<Parameter>) = unknowns
+            .iter()
+            .filter_map(|u| match u.quantity {
+                Quantity::Law(hook) => Some((hook, u.parameter.clone())),
+                _ => None,
+            })
+            .unzip();
+        let modulated = law.get(Hook::ModulationCosine).is_some() && !form.changes.is_empty();
+        let modulation = if modulated { form.modulation } else { setting.modulation };
+        let problem = ContactProblem { recovered, law, modulation, hooks, parameters };
+        let fit = problem.solve(most).ok()?;
+        let count = problem.residual_count() as f64;
+        Some(ContactCandidate {
+            effect,
+            form: form.name,
+            law: problem.at(&fit.values),
+            modulation,
+            criterion: fit.cost + fit.values.len() as f64 * count.ln(),
+            unknowns,
+        })
+    }
+
+    /// Every effect of the contact on the recovered contacts, best first, one form each.
+    pub(crate) fn contact_candidates(
+        &self, recovered: &[Recovered], setting: &Setting, law_unknowns: &[Unknown], taken: &[usize],
+    ) -> Vec<ContactCandidate> {
+        let forms: Vec<(usize, ContactForm)> = ALL
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| !taken.contains(index))
+            .flat_map(|(index, effect): (usize, &&dyn Effect)| {
+                effect.contact_forms(&setting.law, &self.scales).into_iter().map(move |form| (index, form))
+            })
+            .collect();
+        let tried = |(index, form): &(usize, ContactForm), most: usize| {
+            self.contact_candidate(recovered, setting, law_unknowns, (*index, form), most)
+        };
+        // A few steps for every form, all steps for the best.
+        let mut order: Vec<(f64, usize)> = forms
+            .par_iter()
+            .enumerate()
+            .filter_map(|(k, form)| tried(form, GLANCE).map(|c| (c.criterion, k)))
+            .collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut found: Vec<ContactCandidate> =
+            order.par_iter().take(LOOK).filter_map(|(_, k)| tried(&forms[*k], 25)).collect();
+        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        let mut best: Vec<ContactCandidate> = Vec::new();
+        for candidate in found {
+            if !best.iter().any(|b| b.effect == candidate.effect) {
+                best.push(candidate);
+            }
+        }
+        best
+    }
+
+    /// The best contact effects with the whole model, best first.
+    pub(crate) fn contact_round(
+        &self, from: &Explained, candidates: &[ContactCandidate],
+    ) -> Vec<Explained> {
+        let declared = merge(&self.case.unknowns(), &from.added);
+        let structure: Vec<Unknown> =
+            declared.into_iter().filter(|u| !matches!(u.quantity, Quantity::Law(_))).collect();
+        let best = candidates.first().map_or(0.0, |c| c.criterion);
+        let mut tried: Vec<Explained> = candidates
+            .par_iter()
+            .take(BEST)
+            .filter(|candidate| candidate.criterion < 4.0 * best + 500.0)
+            .filter_map(|candidate| {
+                let mut setting = from.fitted.setting.clone();
+                setting.law = candidate.law;
+                setting.modulation = candidate.modulation;
+                let unknowns = merge(&structure, &candidate.unknowns);
+                let known = |q: Quantity| from.fitted.unknowns.iter().any(|u| u.quantity == q);
+                let brought = unknowns.iter().filter(|u| !known(u.quantity)).cloned();
+                let added = from.added.iter().cloned().chain(brought).collect();
+                let mut effects = from.effects.clone();
+                effects.push(candidate.effect);
+                let mut found = self.whole(setting, &unknowns, (effects, added), 15).ok()?;
+                found.sensors = from.sensors.iter().copied().chain([None]).collect();
+                Some(found)
+            })
+            .collect();
+        tried.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        tried
+    }
+}

@@ -1,0 +1,112 @@
+//! Where the fit starts: motion and force of the contact without a law, and the declared law on them.
+
+use crate::Case;
+use crate::case::Scales;
+use frettrace_forward::accelerations::{AccelerationError, AccelerationModel, Balance, Setting};
+use frettrace_fourier::{Grid, GridError};
+use frettrace_friction::effects::{Hook, ModifiedLaw};
+use frettrace_identify::contact::{Closure, ContactHistory, ContactModel, Extras, Family, Guess};
+use frettrace_identify::{FitSettings, fit};
+use num_complex::Complex64;
+
+/// Samples of a recovered period.
+const SAMPLES: usize = 256;
+/// Highest line of a recovered history: above it the forces of one period are noise in practice.
+const LINES: usize = 60;
+
+/// Recovered histories of the selected runs.
+pub(crate) fn histories(
+    case: &Case, model: &AccelerationModel, setting: &Setting, selected: &[usize],
+) -> Result<Vec<ContactHistory>, AccelerationError> {
+    let balances = model.balance(setting, selected)?;
+    selected.iter().zip(&balances).map(|(&run, balance)| Ok(history(case, run, balance)?)).collect()
+}
+
+/// One recovered period.
+fn history(case: &Case, run: usize, balance: &Balance) -> Result<ContactHistory, GridError> {
+    let lines = &case.records[run].lines;
+    let order = lines.order().min(LINES * case.records[run].subharmonic);
+    let samples = (4 * order).next_power_of_two().max(SAMPLES);
+    let grid = Grid::new(order, samples)?;
+    let mut scratch = grid.scratch();
+    let known = |h: usize| balance.force[h].norm() > 3.0 * balance.force_deviation[h];
+    let mut sampled = |of: &dyn Fn(usize) -> Complex64| {
+        let lines: Vec<Complex64> =
+            (0..=order).map(|h| if h == 0 { Complex64::ZERO } else { of(h) }).collect();
+        let mut out = vec![0.0; samples];
+        grid.evaluate(&lines, &mut out, &mut scratch);
+        out
+    };
+    let force = sampled(&|h| if known(h) { balance.force[h] } else { Complex64::ZERO });
+    let slip = sampled(&|h| balance.slip[h]);
+    let velocity = sampled(&|h| balance.slip[h] * Complex64::new(0.0, h as f64 * lines.omega));
+    let stiffness = case.rig.boundary.support_stiffness;
+    let normal = if case.rig.lever.is_some() && stiffness.is_finite() {
+        let end = sampled(&|h| balance.end[h]);
+        end.iter().map(|w| lines.preload - stiffness * w).collect()
+    } else {
+        vec![lines.preload; samples]
+    };
+    let period = std::f64::consts::TAU / lines.omega;
+    let variance: f64 = (1..=order).filter(|h| known(*h)).map(|h| balance.force_deviation[h].powi(2)).sum();
+    Ok(ContactHistory {
+        label: format!("run {}", run + 1),
+        time: (0..samples).map(|k| period * k as f64 / samples as f64).collect(),
+        slip,
+        velocity,
+        acceleration: None,
+        normal,
+        closure: Closure::Periodic { period },
+        mean_is_seen: false,
+        // Every level counts by its own size, not by its noise: the start must be fair to all.
+        force_std: variance.sqrt().max(0.02 * peak(&force)).max(1e-12),
+        force,
+        draws: Vec::new(),
+        first: 0,
+    })
+}
+
+/// The declared law fitted to the recovered histories.
+pub(crate) fn law(family: Family, histories: &[ContactHistory]) -> ModifiedLaw<f64> {
+    let all: Vec<&ContactHistory> = histories.iter().collect();
+    let guess = Guess::of(&all);
+    let mut law = if family == Family::Dahl {
+        ModifiedLaw::dahl(guess.sigma0, guess.mu)
+    } else {
+        let values = guess.parameters(family);
+        let model = ContactModel::new(family, all, &values, Extras::default());
+        let settings = FitSettings { max_iterations: 40, relative_tolerance: 1e-3, ..FitSettings::default() };
+        family.law(&fit(&model, &values, &settings).map_or(values, |found| found.values))
+    };
+    if family.is_static() {
+        // A memoryless law is the limit of a stiff bristle: a fiftieth of the smallest slip to full friction.
+        let reach = histories.iter().map(ContactHistory::amplitude).fold(f64::INFINITY, f64::min);
+        law.set(Hook::Sigma0, 50.0 * guess.mu / reach.max(1e-12));
+    }
+    // Starts in the open interior of what the fit admits.
+    for (hook, least) in [(Hook::StribeckRise, 1e-3 * guess.mu), (Hook::StribeckVelocity, 1e-3 * guess.speed)] {
+        if let Some(value) = law.get(hook) {
+            law.set(hook, value.max(least));
+        }
+    }
+    law
+}
+
+/// Sizes of the motion.
+pub(crate) fn scales(case: &Case, histories: &[ContactHistory]) -> Scales {
+    let largest = |of: &dyn Fn(&ContactHistory) -> f64| histories.iter().map(of).fold(0.0, f64::max);
+    let first = case.records.first();
+    let period = first.map_or(1.0, |r| std::f64::consts::TAU / r.lines.omega / r.subharmonic as f64);
+    Scales {
+        slip: largest(&ContactHistory::amplitude).max(1e-12),
+        velocity: largest(&ContactHistory::top_speed).max(1e-12),
+        period,
+        preload: first.map_or(1.0, |r| r.lines.preload),
+        length: case.rig.beam.length,
+        mass: case.rig.beam.mass_per_length * case.rig.beam.length,
+    }
+}
+
+fn peak(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |m, v| v.abs().max(m))
+}

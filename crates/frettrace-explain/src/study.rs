@@ -1,0 +1,244 @@
+//! The study: split, fits, errors.
+
+use crate::case::Scales;
+use crate::start;
+use crate::{AccelerationFit, Case, Unknown};
+use frettrace_forward::accelerations::{AccelerationError, AccelerationModel, Memory, Prediction, Quantity, Setting};
+use frettrace_identify::{Fit, FitSettings, IdentifyError, Model, fit};
+use nalgebra::DMatrix;
+
+/// Why nothing can be explained.
+#[derive(Debug, Clone, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExplainError {
+    /// The model cannot be evaluated.
+    #[error(transparent)]
+    Model(#[from] AccelerationError),
+    /// The model cannot be fitted.
+    #[error(transparent)]
+    Fit(#[from] IdentifyError),
+    /// Too few runs are periodic.
+    #[error("{periodic} of {runs} runs are periodic, at least one is needed; record steady vibration")]
+    NothingPeriodic {
+        /// Periodic runs.
+        periodic: usize,
+        /// All runs.
+        runs: usize,
+    },
+}
+
+/// A case with its split and its model.
+pub struct Study<'a> {
+    /// The case.
+    pub case: &'a Case,
+    /// The acceleration-level model of all runs.
+    pub model: AccelerationModel,
+    /// Runs that are fitted.
+    pub training: Vec<usize>,
+    /// Runs that nothing is fitted to.
+    pub held_out: Vec<usize>,
+    /// Sizes of the motion in the contact.
+    pub scales: Scales,
+}
+
+/// A model fitted to the training runs.
+#[derive(Clone)]
+pub struct Fitted {
+    /// Its values.
+    pub setting: Setting,
+    /// What was free.
+    pub unknowns: Vec<Unknown>,
+    /// χ² with priors, χ² of the data, status.
+    pub fit: Fit,
+    /// Solutions near it.
+    pub memory: Memory,
+    /// Standard deviations of the values, from the curvature.
+    pub deviation: Vec<f64>,
+}
+
+/// Error of some runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RunError {
+    /// Sum over samples and sensors of (measured − predicted)².
+    pub error: f64,
+    /// The same for a perfect model.
+    pub floor: f64,
+    /// Sum over samples and sensors of measured².
+    pub power: f64,
+    /// Number of samples in all sensors.
+    pub count: f64,
+}
+
+impl RunError {
+    /// Relative RMS error.
+    #[must_use]
+    pub fn relative(&self) -> f64 {
+        (self.error / self.power).sqrt()
+    }
+
+    /// Relative RMS of the noise.
+    #[must_use]
+    pub fn relative_floor(&self) -> f64 {
+        (self.floor / self.power).sqrt()
+    }
+
+    /// Error over floor.
+    #[must_use]
+    pub fn ratio(&self) -> f64 {
+        (self.error / self.floor).sqrt()
+    }
+}
+
+impl<'a> Study<'a> {
+    /// Splits the runs, recovers the contact and chooses the start.
+    ///
+    /// # Errors
+    /// [`ExplainError`] where no run is periodic or the rig cannot be modelled.
+    pub fn new(case: &'a Case) -> Result<(Self, Setting), ExplainError> {
+        let periodic: Vec<usize> = (0..case.records.len()).filter(|&k| case.records[k].periodic).collect();
+        if periodic.is_empty() {
+            return Err(ExplainError::NothingPeriodic { periodic: 0, runs: case.records.len() });
+        }
+        let held_out = held_out(case, &periodic);
+        let training: Vec<usize> = periodic.into_iter().filter(|k| !held_out.contains(k)).collect();
+        let lines = case.records.iter().map(|r| r.lines.clone()).collect();
+        let model = AccelerationModel::new(case.rig.clone(), lines)?;
+        let blank = case.setting(frettrace_friction::effects::ModifiedLaw::dahl(1.0, 1.0));
+        let histories = start::histories(case, &model, &blank, &training)?;
+        let law = start::law(case.law, &histories);
+        let scales = start::scales(case, &histories);
+        Ok((Self { case, model, training, held_out, scales }, case.setting(law)))
+    }
+
+    /// Fits `unknowns` around `setting` to the training runs.
+    ///
+    /// # Errors
+    /// [`ExplainError::Fit`] where the model has no solution at the start.
+    pub fn fit(
+        &self, setting: Setting, unknowns: &[Unknown], warm: &Memory, most: usize,
+    ) -> Result<Fitted, ExplainError> {
+        let problem =
+            AccelerationFit::new(&self.model, setting, unknowns, self.training.clone(), warm.clone());
+        let settings = FitSettings {
+            max_iterations: most,
+            relative_tolerance: 3e-4,
+            absolute_tolerance: 0.3,
+            ..FitSettings::default()
+        };
+        let found = fit(&problem, &problem.start(), &settings)?;
+        let setting = problem.at(&found.values);
+        let mut memory = warm.clone();
+        // Warm starts for what comes next; a run that does not balance keeps none.
+        let _ = self.model.predict(&setting, &self.training, &mut memory);
+        let deviation = deviations(&problem, &found, &memory);
+        Ok(Fitted { setting, unknowns: unknowns.to_vec(), fit: found, memory, deviation })
+    }
+
+    /// Number of real residuals of the training runs.
+    #[must_use]
+    pub fn residual_count(&self) -> usize {
+        self.training
+            .iter()
+            .map(|&k| {
+                let lines = &self.model.runs[k];
+                2 * lines.acceleration.len() * lines.acceleration.first().map_or(0, Vec::len)
+            })
+            .sum()
+    }
+
+    /// Predictions of the selected runs; `None` where a run's balance does not close.
+    #[must_use]
+    pub fn predictions(&self, fitted: &Fitted, selected: &[usize]) -> Vec<Option<Prediction>> {
+        let mut memory = fitted.memory.clone();
+        selected
+            .iter()
+            .map(|&run| {
+                let found = self.model.predict(&fitted.setting, &[run], &mut memory);
+                found.ok().and_then(|p| p.into_iter().next())
+            })
+            .collect()
+    }
+
+    /// Error of a run, sensor by sensor; a run that cannot be predicted is missed entirely.
+    #[must_use]
+    pub fn sensor_errors(&self, run: usize, prediction: Option<&Prediction>) -> Vec<RunError> {
+        let record = &self.case.records[run];
+        let samples = record.samples as f64;
+        (0..record.power.len())
+            .map(|s| {
+                let missed = prediction.map_or(record.power[s], |p| {
+                    let measured = &record.lines.acceleration[s];
+                    let lines: f64 = (measured.iter().zip(&p[s]).enumerate())
+                        .map(|(h, (a, b))| (a - b).norm_sqr() * if h == 0 { 1.0 } else { 0.5 })
+                        .sum();
+                    lines + record.beside[s]
+                });
+                RunError {
+                    error: missed * samples,
+                    floor: record.noise[s].powi(2) * samples,
+                    power: record.power[s] * samples,
+                    count: samples,
+                }
+            })
+            .collect()
+    }
+
+    /// Error of the selected runs together.
+    #[must_use]
+    pub fn error(&self, fitted: &Fitted, selected: &[usize]) -> RunError {
+        let predictions = self.predictions(fitted, selected);
+        let all = selected.iter().zip(&predictions).flat_map(|(&run, p)| self.sensor_errors(run, p.as_ref()));
+        all.fold(RunError::default(), |sum, e| RunError {
+            error: sum.error + e.error,
+            floor: sum.floor + e.floor,
+            power: sum.power + e.power,
+            count: sum.count + e.count,
+        })
+    }
+}
+
+/// Standard deviations from the Gauss-Newton curvature with the priors; NaN where it is singular.
+fn deviations(problem: &AccelerationFit<'_>, found: &Fit, memory: &Memory) -> Vec<f64> {
+    let (rows, width) = (problem.residual_count(), found.values.len());
+    let mut residual = vec![0.0; rows];
+    let mut jacobian = DMatrix::zeros(rows, width);
+    let mut memory = memory.clone();
+    let free = vec![true; width];
+    if problem.linearise(&found.values, &free, &mut memory, (&mut residual, &mut jacobian)).is_err() {
+        return vec![f64::NAN; width];
+    }
+    let mut normal = jacobian.transpose() * &jacobian;
+    for (k, parameter) in problem.parameters().iter().enumerate() {
+        if let Some(prior) = parameter.prior {
+            normal[(k, k)] += prior.std.powi(-2);
+        }
+    }
+    let scale: Vec<f64> = (0..width).map(|k| normal[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
+    let scaled = DMatrix::from_fn(width, width, |i, j| normal[(i, j)] / (scale[i] * scale[j]));
+    let inflation = (found.cost / rows as f64).max(1.0);
+    scaled.cholesky().map_or_else(
+        || vec![f64::NAN; width],
+        |factor| {
+            let inverse = factor.inverse();
+            (0..width).map(|k| (inverse[(k, k)] * inflation).sqrt() / scale[k]).collect()
+        },
+    )
+}
+
+/// Runs held out: two of six or more (second highest and an interior level), one of four or five.
+fn held_out(case: &Case, periodic: &[usize]) -> Vec<usize> {
+    let level = |k: usize| case.records[k].power.iter().sum::<f64>();
+    let mut ranked = periodic.to_vec();
+    ranked.sort_by(|&a, &b| level(a).total_cmp(&level(b)));
+    match ranked.len() {
+        0..=3 => Vec::new(),
+        n @ (4 | 5) => vec![ranked[n - 2]],
+        n => vec![ranked[n / 2 - 1], ranked[n - 2]],
+    }
+}
+
+/// Replaces or adds unknowns by their quantity.
+pub(crate) fn merge(unknowns: &[Unknown], added: &[Unknown]) -> Vec<Unknown> {
+    let replaced = |q: Quantity| added.iter().any(|a| a.quantity == q);
+    unknowns.iter().filter(|u| !replaced(u.quantity)).chain(added).cloned().collect()
+}

@@ -1,0 +1,329 @@
+//! The verdict: nothing missing, explained by named effects, or unexplained with a place.
+
+use crate::balance_fit::BalanceCandidate;
+use crate::effects::{ALL, EffectPlace};
+use crate::search::Explained;
+use crate::study::merge;
+use crate::{Case, ExplainError, RunError, Study, Unknown};
+use frettrace_forward::accelerations::{Quantity, Setting};
+
+/// The outcome.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The declared model says all that the data say.
+    NothingMissing,
+    /// With the named effects the model is complete.
+    Explained,
+    /// Something is missing that is in no list.
+    Unexplained,
+}
+
+/// Where something is missing.
+pub use crate::effects::EffectPlace as Place;
+
+/// A named effect.
+#[derive(Clone, Debug)]
+pub struct Named {
+    /// Its id.
+    pub id: &'static str,
+    /// Probability against the best rival, from the difference of the criteria.
+    pub probability: f64,
+    /// Position on the beam [m].
+    pub position: Option<f64>,
+    /// Index of the sensor.
+    pub sensor: Option<usize>,
+    /// What it brought: name, unit, value, standard deviation.
+    pub parameters: Vec<(String, String, f64, f64)>,
+    /// Ids that the data cannot tell from it.
+    pub indistinguishable: Vec<&'static str>,
+    /// The experiment that would.
+    pub experiment: &'static str,
+}
+
+/// A candidate that was tried.
+#[derive(Clone, Debug)]
+pub struct Tried {
+    /// Its id.
+    pub id: &'static str,
+    /// Relative RMS error with it on the training runs; NaN where it was judged on the recovered contact alone.
+    pub error: f64,
+    /// Difference of the criterion to the model without it, positive for it.
+    pub evidence: f64,
+}
+
+/// What came of an explanation.
+pub struct Outcome {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Named effects.
+    pub effects: Vec<Named>,
+    /// Where something is missing.
+    pub place: Option<Place>,
+    /// The declared model.
+    pub baseline: Explained,
+    /// The model with the effects in it.
+    pub model: Explained,
+    /// All candidates, best first.
+    pub tried: Vec<Tried>,
+    /// Errors of the training runs before and after.
+    pub error: [RunError; 2],
+    /// Errors of the held-out runs before and after.
+    pub held_out: Option<[RunError; 2]>,
+    /// Indices of the training and of the held-out runs.
+    pub runs: [Vec<usize>; 2],
+    /// What a reader must know.
+    pub notes: Vec<String>,
+}
+
+/// Most effects named together.
+const MOST_EFFECTS: usize = 2;
+/// Evidence that a claim needs against its rivals.
+const EVIDENCE: f64 = 10.0;
+/// The balance of all training runs is closed below this χ² per degree of freedom …
+const BALANCE_CLOSED: f64 = 1.6;
+/// … and below this in each of them.
+const BALANCE_CLOSED_RUN: f64 = 2.6;
+
+/// Explains a case.
+///
+/// # Errors
+/// [`ExplainError`] where no run is periodic or the model cannot be evaluated at all.
+pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
+    let (study, setting) = Study::new(case)?;
+    let mut search = Search { study: &study, tried: Vec::new(), rivals: Vec::new(), notes: Vec::new() };
+    let baseline = search.baseline(setting)?;
+    let model = if baseline.complete() { baseline.clone() } else { search.close(&baseline)? };
+    Ok(search.outcome(baseline, model))
+}
+
+struct Search<'a> {
+    study: &'a Study<'a>,
+    tried: Vec<Tried>,
+    /// Complete models beside the best one, with their criteria.
+    rivals: Vec<(usize, f64)>,
+    notes: Vec<String>,
+}
+
+fn is_law(unknown: &Unknown) -> bool {
+    matches!(unknown.quantity, Quantity::Law(_))
+}
+
+impl Search<'_> {
+    /// The declared model: the law on the recovered contacts, then the whole.
+    fn baseline(&self, mut setting: Setting) -> Result<Explained, ExplainError> {
+        let unknowns = self.study.case.unknowns();
+        let law: Vec<Unknown> = unknowns.iter().filter(|u| is_law(u)).cloned().collect();
+        let recovered = self.study.recovered(&setting)?;
+        if let Some(base) = self.study.contact_base(&recovered, &setting, &law) {
+            setting.law = base.law;
+        }
+        match self.study.whole(setting.clone(), &unknowns, (Vec::new(), Vec::new()), 10) {
+            Ok(found) => Ok(found),
+            // A declared model without a steady answer is still a model: it explains nothing.
+            Err(_) => self.study.blank(setting, &unknowns),
+        }
+    }
+
+    /// Adds effects until the model is complete or nothing more is worth it.
+    fn close(&mut self, baseline: &Explained) -> Result<Explained, ExplainError> {
+        let mut current = baseline.clone();
+        for _ in 0..MOST_EFFECTS {
+            let (reduced, worst) = self.study.balance_reduced(&current.fitted.setting);
+            let found = if reduced > BALANCE_CLOSED || worst > BALANCE_CLOSED_RUN {
+                self.structure_round(&current)?
+            } else {
+                self.contact_round(&current)?
+            };
+            match found {
+                Some(better) if better.criterion + EVIDENCE < current.criterion => current = better,
+                _ => break,
+            }
+            if current.complete() {
+                break;
+            }
+        }
+        Ok(current)
+    }
+
+    fn contact_round(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {
+        let unknowns = merge(&self.study.case.unknowns(), &current.added);
+        let law: Vec<Unknown> = unknowns.iter().filter(|u| is_law(u)).cloned().collect();
+        let mut setting = current.fitted.setting.clone();
+        let recovered = self.study.recovered(&setting)?;
+        let base = self.study.contact_base(&recovered, &setting, &law);
+        let plain = base.as_ref().map_or(f64::INFINITY, |b| b.criterion);
+        if let Some(base) = &base {
+            setting.law = base.law;
+        }
+        let candidates = self.study.contact_candidates(&recovered, &setting, &law, &current.effects);
+        self.tried.extend(candidates.iter().map(|c| Tried {
+            id: ALL[c.effect].id(),
+            error: f64::NAN,
+            evidence: plain - c.criterion,
+        }));
+        let found = self.study.contact_round(current, &candidates);
+        Ok(self.take_best(current, found))
+    }
+
+    /// Records what was tried and keeps the best.
+    fn take_best(&mut self, current: &Explained, mut found: Vec<Explained>) -> Option<Explained> {
+        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        for one in &found {
+            let Some(&effect) = one.effects.last() else { continue };
+            let error = self.study.error(&one.fitted, &self.study.training).relative();
+            let evidence = current.criterion - one.criterion;
+            let id = ALL[effect].id();
+            self.tried.retain(|t| t.id != id);
+            self.tried.push(Tried { id, error, evidence });
+        }
+        self.rivals = found
+            .iter()
+            .filter_map(|one| one.effects.last().map(|&effect| (effect, one.criterion)))
+            .collect();
+        found.into_iter().next()
+    }
+
+    fn structure_round(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {
+        let structural: Vec<Unknown> = current.added.iter().filter(|u| !is_law(u)).cloned().collect();
+        let setting = current.fitted.setting.clone();
+        let plain = self.study.balance_base(&setting, &structural);
+        let candidates = self.study.balance_candidates(&setting, &structural, &current.effects);
+        self.tried.extend(candidates.iter().map(|c| Tried {
+            id: ALL[c.effect].id(),
+            error: f64::NAN,
+            evidence: plain.criterion - c.criterion,
+        }));
+        let best = candidates.first().map_or(f64::INFINITY, |c| c.criterion);
+        let found = candidates
+            .iter()
+            .take(2)
+            .filter(|c| c.criterion < 3.0 * best)
+            .filter_map(|candidate| self.with_structure(current, candidate).ok())
+            .collect();
+        Ok(self.take_best(current, found))
+    }
+
+    /// The whole model with a structure effect: the law anew on contacts recovered with it, then everything.
+    fn with_structure(
+        &self, current: &Explained, candidate: &BalanceCandidate,
+    ) -> Result<Explained, ExplainError> {
+        let own = candidate.unknowns.iter().filter(|u| !current.fitted.unknowns.contains(u));
+        let declared = self.study.case.unknowns();
+        let brought: Vec<Unknown> = own.filter(|u| !declared.contains(u)).cloned().collect();
+        let added = merge(&current.added, &brought);
+        let unknowns = merge(&declared, &added);
+        let law: Vec<Unknown> = unknowns.iter().filter(|u| is_law(u)).cloned().collect();
+        let mut setting = candidate.setting.clone();
+        let recovered = self.study.recovered(&setting)?;
+        if let Some(base) = self.study.contact_base(&recovered, &setting, &law) {
+            setting.law = base.law;
+        }
+        let mut effects = current.effects.clone();
+        effects.push(candidate.effect);
+        let mut found = self.study.whole(setting, &unknowns, (effects, added), 12)?;
+        found.sensors = current.sensors.iter().copied().chain([candidate.sensor]).collect();
+        Ok(found)
+    }
+
+    fn outcome(mut self, baseline: Explained, model: Explained) -> Outcome {
+        let complete = model.complete();
+        let verdict = match (model.effects.is_empty(), complete) {
+            (true, true) => Verdict::NothingMissing,
+            (false, true) => Verdict::Explained,
+            _ => Verdict::Unexplained,
+        };
+        let place = match verdict {
+            Verdict::NothingMissing => None,
+            Verdict::Explained => model.effects.first().map(|&e| ALL[e].place()),
+            Verdict::Unexplained => Some(self.place(&model)),
+        };
+        let effects = if verdict == Verdict::Explained { self.named(&model) } else { Vec::new() };
+        self.tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+        let study = self.study;
+        let left_out = study.case.records.iter().filter(|r| !r.periodic).count();
+        if left_out > 0 {
+            self.notes.push(format!("{left_out} runs are not periodic and were left out of the prediction"));
+        }
+        self.notes.push("mean friction, preload, mean position and drift cannot be seen by accelerometers".into());
+        let errors = |runs: &[usize]| [&baseline, &model].map(|m| study.error(&m.fitted, runs));
+        Outcome {
+            verdict,
+            effects,
+            place,
+            error: errors(&study.training),
+            held_out: (!study.held_out.is_empty()).then(|| errors(&study.held_out)),
+            runs: [study.training.clone(), study.held_out.clone()],
+            tried: self.tried,
+            notes: self.notes,
+            baseline,
+            model,
+        }
+    }
+
+    /// Place of what stays unexplained: an open balance is never the contact.
+    fn place(&self, model: &Explained) -> EffectPlace {
+        let (reduced, worst) = self.study.balance_reduced(&model.fitted.setting);
+        if reduced <= BALANCE_CLOSED && worst <= BALANCE_CLOSED_RUN {
+            return EffectPlace::Contact;
+        }
+        if self.study.one_sensor_closes(&model.fitted.setting, BALANCE_CLOSED) {
+            return EffectPlace::Measurement;
+        }
+        EffectPlace::Structure
+    }
+
+    fn named(&self, model: &Explained) -> Vec<Named> {
+        let best = model.criterion;
+        let close = |effect: usize| {
+            self.rivals.iter().filter(move |(e, criterion)| *e != effect && criterion - best < EVIDENCE)
+        };
+        model
+            .effects
+            .iter()
+            .zip(&model.sensors)
+            .enumerate()
+            .map(|(k, (&effect, &sensor))| {
+                let last = k + 1 == model.effects.len();
+                let odds: f64 = if last { close(effect).map(|(_, c)| (0.5 * (best - c)).exp()).sum() } else { 0.0 };
+                Named {
+                    id: ALL[effect].id(),
+                    probability: 1.0 / (1.0 + odds),
+                    position: position(model, effect),
+                    sensor,
+                    parameters: parameters(model),
+                    indistinguishable: if last {
+                        close(effect).take(2).map(|(e, _)| ALL[*e].id()).collect()
+                    } else {
+                        Vec::new()
+                    },
+                    experiment: ALL[effect].experiment(),
+                }
+            })
+            .collect()
+    }
+}
+
+/// Position of an effect along the beam, where it has one.
+fn position(model: &Explained, effect: usize) -> Option<f64> {
+    if ALL[effect].place() != EffectPlace::Structure {
+        return None;
+    }
+    model
+        .added
+        .iter()
+        .find(|u| matches!(u.quantity, Quantity::PortPosition(_) | Quantity::MassPosition))
+        .and_then(|u| model.fitted.setting.get(u.quantity))
+}
+
+/// What the effects brought.
+fn parameters(model: &Explained) -> Vec<(String, String, f64, f64)> {
+    model
+        .added
+        .iter()
+        .filter_map(|u| {
+            let value = model.fitted.setting.get(u.quantity)?;
+            let std = model.deviation(u.quantity);
+            Some((u.parameter.name.clone(), u.parameter.unit.clone(), value, std))
+        })
+        .collect()
+}

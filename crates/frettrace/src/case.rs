@@ -1,0 +1,73 @@
+//! A measurement file as the case of an explanation or a joint fit.
+
+use crate::StudyError;
+use frettrace_beam::{Boundary, UniformBeam};
+use frettrace_explain::{Case, DeclaredModes, RunRecord, RunSamples};
+use frettrace_forward::accelerations::Rig;
+use frettrace_identify::contact::Family;
+use frettrace_measurement::{Measurement, SlipKind};
+
+/// Modes summed; the rest acts through its static flexibility.
+const MODES: usize = 40;
+
+/// The case a measurement file declares.
+///
+/// # Errors
+/// [`StudyError::Run`] where the lines of a run cannot be found.
+pub fn case(measurement: &Measurement) -> Result<Case, StudyError> {
+    let last = measurement.runs.len().saturating_sub(1).max(1) as f64;
+    let noise = measurement.sensors.noise_std.as_deref();
+    let mut records = Vec::with_capacity(measurement.runs.len());
+    for (index, run) in measurement.runs.iter().enumerate() {
+        let samples = RunSamples {
+            sampling_rate: run.sampling_rate,
+            excitation_frequency: run.excitation_frequency,
+            preload: run.preload,
+            force: &run.force,
+            acceleration: &run.acceleration,
+        };
+        let record = RunRecord::new(&samples, noise, index as f64 / last)
+            .map_err(|source| StudyError::Run { run: run.id.clone(), source })?;
+        records.push(record);
+    }
+    let law = Family::named(&measurement.support.law).unwrap_or(Family::Dahl);
+    Ok(Case { rig: rig(measurement), records, modes: modes(measurement), law })
+}
+
+fn rig(measurement: &Measurement) -> Rig {
+    let beam = &measurement.beam;
+    let mut uniform = UniformBeam::rectangular(
+        beam.length,
+        [beam.width, beam.thickness],
+        beam.youngs_modulus,
+        beam.density,
+    );
+    if let Some(second_moment) = beam.second_moment {
+        uniform.bending_stiffness = beam.youngs_modulus * second_moment;
+    }
+    if let Some(area) = beam.area {
+        uniform.mass_per_length = beam.density * area;
+    }
+    let support = &measurement.support;
+    let turns = support.slip == SlipKind::Rotation;
+    Rig {
+        boundary: Boundary::spring(support.normal_stiffness),
+        beam: uniform,
+        exciter: measurement.exciter.position,
+        sensors: measurement.sensors.position.clone(),
+        lever: turns.then_some(support.lever_arm),
+        known_support: None,
+        modes: MODES,
+    }
+}
+
+fn modes(measurement: &Measurement) -> DeclaredModes {
+    let tau = std::f64::consts::TAU;
+    let scaled = |values: &[f64]| values.iter().map(|f| f * tau).collect();
+    measurement.modes.as_ref().map_or_else(DeclaredModes::default, |m| DeclaredModes {
+        frequency: scaled(&m.frequency),
+        frequency_std: scaled(&m.frequency_std),
+        damping: m.damping_ratio.clone(),
+        damping_std: m.damping_ratio_std.clone(),
+    })
+}
