@@ -71,7 +71,7 @@ impl RunRecord {
         for subharmonic in [1, 2, 3, 4, 5] {
             let base = refined / subharmonic as f64;
             let highest = (0.995 * std::f64::consts::PI * run.sampling_rate / base).floor() as usize;
-            let order = highest.min(MOST_LINES * subharmonic).min(samples / 4).max(1);
+            let order = highest.min(MOST_LINES * subharmonic).min(samples / 3).max(1);
             let Ok(projector) = Projector::new(of_base(base, order)) else { continue };
             let channels =
                 run.acceleration.iter().map(|x| projector.project(x)).collect::<Result<Vec<_>, _>>()?;

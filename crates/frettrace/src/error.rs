@@ -32,6 +32,12 @@ pub enum StudyError {
     /// The inverse could not be tried.
     #[error(transparent)]
     Inverse(#[from] frettrace_inverse::InverseError),
+    /// Nothing can be explained.
+    #[error(transparent)]
+    Explain(#[from] frettrace_explain::ExplainError),
+    /// Contact records are not explained.
+    #[error("a contact record cannot be explained yet; give a measurement file of the rig")]
+    ContactRecord,
     /// A file cannot be written.
     #[error("{}: cannot be written: {source}; choose a folder that exists and may be written to", path.display())]
     Write {

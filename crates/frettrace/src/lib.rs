@@ -4,6 +4,8 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`case`] | a measurement file as the case of an explanation |
+//! | [`explain`] | what the declared model lacks |
 //! | [`identify`] | the friction law behind a recording |
 //! | [`inspect`] | what a file holds and how good its signals are |
 //! | [`modes`] | modes of the declared beam beside the measured ones |
@@ -16,6 +18,7 @@
 
 pub mod case;
 mod error;
+pub mod explain;
 pub mod identify;
 pub mod inspect;
 pub mod modes;

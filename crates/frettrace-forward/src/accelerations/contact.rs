@@ -1,8 +1,7 @@
 //! The friction contact over one period: force on the phase grid, and its linearisation through the hysteresis.
 
-use frettrace_friction::Step;
+use frettrace_friction::{Gradient, Step};
 use frettrace_friction::effects::{Circumstance, Hook, ModifiedLaw, ModifiedState};
-use num_dual::{Derivative, DualSVec64};
 
 /// Motion of the contact on the phase grid, one value a sample.
 #[derive(Clone, Debug, Default)]
@@ -30,7 +29,7 @@ const MOTIONS: usize = 6;
 /// Law parameters differentiated at once.
 pub(super) const PARAMETERS: usize = 14;
 const WIDTH: usize = STATES + MOTIONS + PARAMETERS;
-type Dual = DualSVec64<WIDTH>;
+type Dual = Gradient<WIDTH>;
 
 /// Derivatives of one step: of new states and force by old states, motion `(u₀, u₁, v₀, v₁, N₀, N₁)` and parameters.
 #[derive(Clone, Copy, Debug)]
@@ -45,13 +44,7 @@ impl Local {
 }
 
 fn seed(value: f64, direction: usize) -> Dual {
-    let mut dual = Dual::from_re(value);
-    dual.eps = Derivative::derivative_generic(nalgebra::Const::<WIDTH>, nalgebra::U1, direction);
-    dual
-}
-
-fn gradient(dual: &Dual) -> [f64; WIDTH] {
-    dual.eps.0.as_ref().map_or([0.0; WIDTH], |column| std::array::from_fn(|i| column[i]))
+    Dual::variable(value, direction)
 }
 
 impl Contact<'_> {
@@ -131,7 +124,7 @@ impl Contact<'_> {
         let position = |hook: Hook| hooks.iter().position(|h| *h == hook);
         let law = self.law.lift(|hook, value| match position(hook) {
             Some(p) if p < PARAMETERS => seed(value, Local::PARAMETER + p),
-            _ => Dual::from_re(value),
+            _ => Dual::constant(value),
         });
         locals.clear();
         let mut values = start.0;
@@ -148,8 +141,8 @@ impl Contact<'_> {
             let (next, force) = law.advance(state, &step, &self.circumstance(k, samples));
             values = next.0.map(|s| s.re);
             locals.push(Local {
-                state: std::array::from_fn(|i| gradient(&next.0[i])),
-                force: gradient(&force),
+                state: std::array::from_fn(|i| next.0[i].slopes),
+                force: force.slopes,
             });
         }
     }

@@ -1,11 +1,13 @@
 //! The commands, one file each: arguments, one call into the library, the answer.
 
 mod convert;
+mod explain;
 mod identify;
 mod inspect;
 mod modes;
 mod plot;
 mod reconstruct;
+mod tables;
 
 use clap::{Parser, Subcommand};
 use frettrace::Progress;
@@ -27,6 +29,7 @@ pub struct Program {
 #[derive(Subcommand, Debug)]
 enum Command {
     Convert(convert::Arguments),
+    Explain(explain::Arguments),
     Identify(identify::Arguments),
     Inspect(inspect::Arguments),
     Modes(modes::Arguments),
@@ -39,6 +42,7 @@ pub fn run(program: Program) -> anyhow::Result<()> {
     let session = Session { json: program.json, progress: Progress::terminal() };
     match &program.command {
         Command::Convert(arguments) => convert::run(arguments, &session),
+        Command::Explain(arguments) => explain::run(arguments, &session),
         Command::Identify(arguments) => identify::run(arguments, &session),
         Command::Inspect(arguments) => inspect::run(arguments, &session),
         Command::Modes(arguments) => modes::run(arguments, &session),

@@ -1,0 +1,168 @@
+//! What the declared model lacks: the wiring of an explanation.
+
+use crate::results::{
+    BeforeAfter, Candidate, Effect, ErrorSummary, Estimate, Explanation, HeldOut, Identification, ModeEstimate,
+    NoiseFloorSource, Place, Provenance, Structure, Verdict,
+};
+use crate::{Progress, StudyError, case};
+use frettrace_explain::{Explained, Outcome, RunError};
+use frettrace_forward::accelerations::Quantity;
+use frettrace_measurement::{Measurement, Recording};
+use std::collections::BTreeMap;
+
+/// How to explain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ExplainOptions {
+    /// Seed of every random draw.
+    pub seed: u64,
+}
+
+/// Explains a recording.
+///
+/// # Errors
+/// [`StudyError`] where lines cannot be found or the model cannot be evaluated at all.
+pub fn explain(
+    recording: &Recording,
+    options: &ExplainOptions,
+    progress: &Progress,
+) -> Result<Explanation, StudyError> {
+    let Recording::Measurement(measurement) = recording else {
+        return Err(StudyError::ContactRecord);
+    };
+    progress.start(2, "lines");
+    let case = case::case(measurement)?;
+    progress.step();
+    let outcome = frettrace_explain::explain(&case)?;
+    progress.finish();
+    Ok(explanation(measurement, options, &outcome))
+}
+
+fn explanation(measurement: &Measurement, options: &ExplainOptions, outcome: &Outcome) -> Explanation {
+    let names = |runs: &[usize]| runs.iter().map(|&k| measurement.runs[k].id.clone()).collect::<Vec<_>>();
+    let [training, held_out] = &outcome.runs;
+    let source = floor_source(measurement);
+    let errors = |[before, after]: &[RunError; 2], runs: &[usize]| BeforeAfter {
+        before: before.relative(),
+        after: after.relative(),
+        noise_floor: after.relative_floor(),
+        noise_floor_source: source,
+        runs: names(runs),
+    };
+    let provenance = Provenance {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        seed: options.seed,
+        training_runs: names(training),
+    };
+    let law = &measurement.support.law;
+    let side = |model: &Explained, k: usize| Identification {
+        error: summary(&outcome.error[k], source),
+        held_out: outcome
+            .held_out
+            .as_ref()
+            .map(|e| HeldOut { error: summary(&e[k], source), runs: names(held_out) }),
+        provenance: provenance.clone(),
+        ..identification(law, model)
+    };
+    Explanation {
+        verdict: verdict(outcome.verdict),
+        effects: outcome.effects.iter().map(effect).collect(),
+        place: outcome.place.map(place),
+        error: errors(&outcome.error, training),
+        held_out: outcome.held_out.as_ref().map(|e| errors(e, held_out)),
+        candidates: outcome
+            .tried
+            .iter()
+            .map(|t| Candidate { id: t.id.to_owned(), error: t.error, evidence: t.evidence })
+            .collect(),
+        baseline: side(&outcome.baseline, 0),
+        model: side(&outcome.model, 1),
+        provenance: provenance.clone(),
+        notes: outcome.notes.clone(),
+        ..Explanation::default()
+    }
+}
+
+fn floor_source(measurement: &Measurement) -> NoiseFloorSource {
+    if measurement.sensors.noise_std.is_some() { NoiseFloorSource::Given } else { NoiseFloorSource::Estimated }
+}
+
+fn summary(error: &RunError, source: NoiseFloorSource) -> ErrorSummary {
+    ErrorSummary {
+        force: None,
+        acceleration: Some(error.relative()),
+        noise_floor: error.relative_floor(),
+        noise_floor_source: source,
+    }
+}
+
+fn verdict(found: frettrace_explain::Verdict) -> Verdict {
+    match found {
+        frettrace_explain::Verdict::NothingMissing => Verdict::NothingMissing,
+        frettrace_explain::Verdict::Explained => Verdict::Explained,
+        frettrace_explain::Verdict::Unexplained => Verdict::Unexplained,
+    }
+}
+
+fn place(found: frettrace_explain::Place) -> Place {
+    match found {
+        frettrace_explain::Place::Contact => Place::Contact,
+        frettrace_explain::Place::Structure => Place::Structure,
+        frettrace_explain::Place::Excitation => Place::Excitation,
+        frettrace_explain::Place::Measurement => Place::Measurement,
+    }
+}
+
+fn effect(named: &frettrace_explain::Named) -> Effect {
+    Effect {
+        id: named.id.to_owned(),
+        probability: named.probability,
+        position_m: named.position,
+        sensor: named.sensor,
+        parameters: named
+            .parameters
+            .iter()
+            .map(|(name, unit, value, std)| (name.clone(), estimate(*value, *std, unit)))
+            .collect(),
+        indistinguishable_from: named.indistinguishable.iter().map(|id| (*id).to_owned()).collect(),
+        separating_experiment: Some(named.experiment.to_owned()),
+    }
+}
+
+fn estimate(value: f64, std: f64, unit: &str) -> Estimate {
+    let known = std.is_finite();
+    let reach = if known { 1.96 * std } else { f64::INFINITY };
+    Estimate {
+        value,
+        std: if known { std } else { f64::INFINITY },
+        interval95: [value - reach, value + reach],
+        unit: unit.to_owned(),
+        identifiable: known && std < 0.5 * value.abs(),
+    }
+}
+
+fn identification(law: &str, model: &Explained) -> Identification {
+    let mut parameters = BTreeMap::new();
+    let mut structure = Structure::default();
+    let setting = &model.fitted.setting;
+    for unknown in &model.fitted.unknowns {
+        let Some(value) = setting.get(unknown.quantity) else { continue };
+        let modal = matches!(unknown.quantity, Quantity::ModeFrequency(_) | Quantity::ModeDamping(_));
+        if !modal {
+            let std = model.deviation(unknown.quantity);
+            let found = estimate(value, std, &unknown.parameter.unit);
+            parameters.insert(unknown.parameter.name.clone(), found);
+        }
+    }
+    for (mode, (&frequency, &damping)) in setting.frequency.iter().zip(&setting.damping).enumerate() {
+        let tau = std::f64::consts::TAU;
+        structure.modes.push(ModeEstimate {
+            frequency: estimate(
+                frequency / tau,
+                model.deviation(Quantity::ModeFrequency(mode)) / tau,
+                "Hz",
+            ),
+            damping_ratio: estimate(damping, model.deviation(Quantity::ModeDamping(mode)), "1"),
+        });
+    }
+    Identification { law: law.to_owned(), parameters, structure, ..Identification::default() }
+}
