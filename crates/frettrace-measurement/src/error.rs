@@ -21,7 +21,7 @@ pub enum Error {
         file: PathBuf,
     },
     /// The file is HDF5, but damaged or of a kind that cannot be read.
-    #[error("{}: {place}: cannot be read ({reason}); copy the file again or write it anew with h5py", file.display())]
+    #[error("{}: {}: cannot be read ({}); copy the file again or write it anew with h5py", file.display(), plain(place), plain(reason))]
     Damaged {
         /// The file.
         file: PathBuf,
@@ -31,7 +31,7 @@ pub enum Error {
         reason: String,
     },
     /// The file does not follow the contract.
-    #[error("{}: {place}: {problem}", file.display())]
+    #[error("{}: {}: {problem}", file.display(), plain(place))]
     Invalid {
         /// The file.
         file: PathBuf,
@@ -72,7 +72,7 @@ pub enum Problem {
         remedy: String,
     },
     /// An attribute or dataset is of the wrong kind.
-    #[error("{what} is {found}; write {expected}")]
+    #[error("{what} is {}; write {expected}", plain(found))]
     WrongKind {
         /// Attribute or dataset.
         what: String,
@@ -82,7 +82,7 @@ pub enum Problem {
         expected: String,
     },
     /// A word that is not in the list.
-    #[error("`{name}` is \"{found}\"; write one of {}", allowed.join(", "))]
+    #[error("`{name}` is \"{}\"; write one of {}", plain(found), allowed.join(", "))]
     UnknownWord {
         /// The attribute's name.
         name: String,
@@ -136,7 +136,7 @@ pub enum Problem {
         expected: String,
     },
     /// Other units than the contract's.
-    #[error("the units are \"{found}\"; convert the values and write units = \"{expected}\"")]
+    #[error("the units are \"{}\"; convert the values and write units = \"{expected}\"", plain(found))]
     WrongUnits {
         /// The units found.
         found: String,
@@ -176,13 +176,13 @@ pub enum Problem {
         expected: usize,
     },
     /// Text where a number should stand.
-    #[error("`{found}` is not a number; mend or remove the row")]
+    #[error("`{}` is not a number; mend or remove the row", plain(found))]
     BadNumber {
         /// What stands there.
         found: String,
     },
     /// The file breaks the rules of its format.
-    #[error("the file breaks the rules of its format ({reason}); export it again")]
+    #[error("the file breaks the rules of its format ({}); export it again", plain(reason))]
     Malformed {
         /// How.
         reason: String,
@@ -205,7 +205,7 @@ pub enum Problem {
     #[error("the entry is missing; add it to the description")]
     MissingEntry,
     /// A quantity or unit of the wrong kind.
-    #[error("\"{found}\" does not fit; write {expected}")]
+    #[error("\"{}\" does not fit; write {expected}", plain(found))]
     WrongQuantity {
         /// What stands there.
         found: String,
@@ -213,7 +213,7 @@ pub enum Problem {
         expected: String,
     },
     /// A column that is not in the file.
-    #[error("there is no column `{wanted}`; the file has {found}")]
+    #[error("there is no column `{}`; the file has {}", plain(wanted), plain(found))]
     MissingColumn {
         /// The column wanted.
         wanted: String,
@@ -245,6 +245,19 @@ pub enum Problem {
         /// What was asked for.
         expected: String,
     },
+}
+
+/// Longest text of a file quoted in a message.
+const LONGEST: usize = 300;
+
+/// A text out of a file, fit for one line: control characters as blanks, and cut where it is long.
+fn plain(text: &str) -> String {
+    let visible = |letter: char| if letter.is_control() { ' ' } else { letter };
+    let mut line: String = text.chars().take(LONGEST).map(visible).collect();
+    if line.len() < text.len() && text.chars().count() > LONGEST {
+        line.push('…');
+    }
+    line
 }
 
 fn hint(remedy: &str) -> String {

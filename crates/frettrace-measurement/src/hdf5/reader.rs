@@ -48,7 +48,7 @@ impl std::fmt::Debug for DataFile {
     }
 }
 
-/// No compression stores less than a byte for so many: more is a damaged size.
+/// Deflate, the densest of the filters, stores at best a byte for 1032 (zlib's technical details): more is a damaged size.
 const MOST_EXPANSION: u64 = 1100;
 
 impl DataFile {
@@ -199,12 +199,13 @@ impl DataFile {
     fn dataset(&self, place: &str) -> Result<H5Dataset, Error> {
         let found = self.file.dataset(place.trim_start_matches('/'));
         let dataset = found.map_err(|error| self.damaged(place, error.to_string()))?;
-        let elements = dataset.shape().iter().try_fold(1u64, |all, &n| all.checked_mul(n as u64));
-        let bytes = elements.and_then(|all| all.checked_mul(dataset.element_size().max(1) as u64));
         let most = self.length.saturating_mul(MOST_EXPANSION);
-        if bytes.is_none_or(|bytes| bytes > most) {
-            let reason = format!("it declares a shape of {:?}, more than the file can hold", dataset.shape());
-            return Err(self.damaged(place, reason));
+        for shape in [dataset.shape(), dataset.chunk_dims().unwrap_or_default()] {
+            let bytes = shape.iter().try_fold(dataset.element_size().max(1), |all, &n| all.checked_mul(n));
+            if bytes.is_none_or(|bytes| bytes as u64 > most) {
+                let reason = format!("it declares a shape of {shape:?}, more than the file can hold");
+                return Err(self.damaged(place, reason));
+            }
         }
         Ok(dataset)
     }

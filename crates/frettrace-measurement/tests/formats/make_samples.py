@@ -82,6 +82,7 @@ def arrays():
 def matlab():
     signals = dict(t=TIME[:, None], data=np.stack([FORCE, SLIP], axis=1), rate=RATE, title="a rig")
     scipy.io.savemat("good_v5.mat", signals)
+    scipy.io.savemat("good_v5_structure.mat", dict(rig=dict(signals, inner=dict(gain=np.arange(3, dtype="i2")))))
     scipy.io.savemat("good_v7_compressed.mat", signals, do_compression=True)
     with h5py.File("good_v73.mat", "w", userblock_size=512) as f:
         for name, value in (("t", TIME[None, :]), ("data", np.stack([FORCE, SLIP]))):
@@ -91,7 +92,7 @@ def matlab():
         f.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64, HDF5 schema 1.00 .".ljust(116, b" ") + bytes(8) + b"\x00\x02IM")
     whole = open("good_v5.mat", "rb").read()
     open("bad_v5_cut.mat", "wb").write(whole[:300])
-    message("bad_v5_cut.mat", "whole file: the file breaks the rules of its format (an array is cut short); export it again")
+    message("bad_v5_cut.mat", "whole file: the file breaks the rules of its format (an array is cut short or damaged); export it again")
 
 
 def uff_set(values, name, **other):
