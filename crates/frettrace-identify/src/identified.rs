@@ -56,6 +56,18 @@ pub struct IdentifiedParameter {
 }
 
 impl IdentifiedParameter {
+    /// Widens interval and standard deviation about the value.
+    fn stretch(&mut self, ratio: f64, described: &Parameter) {
+        if !ratio.is_finite() {
+            return;
+        }
+        let transform = described.transform;
+        let centre = transform.coordinate(self.value);
+        let moved = |end: f64| transform.value(centre + ratio * (transform.coordinate(end) - centre));
+        self.std = self.std.map(|std| ratio * std);
+        self.interval95 = self.interval95.map(|(low, high)| (moved(low), moved(high)));
+    }
+
     /// Whether the data tell it.
     #[must_use]
     pub fn is_identifiable(&self) -> bool {
@@ -106,6 +118,44 @@ impl Identified {
         self.parameters.iter().find(|p| p.name == name)
     }
 
+    /// Adds a covariance of the coordinates (all parameters, in their order) and widens the intervals with it.
+    pub(crate) fn add_covariance(&mut self, added: &DMatrix<f64>, described: &[Parameter]) {
+        for (j, parameter) in self.parameters.iter_mut().enumerate() {
+            let before = self.covariance[(j, j)];
+            if before > 0.0 {
+                parameter.stretch((1.0 + added[(j, j)] / before).sqrt(), &described[j]);
+            }
+        }
+        self.covariance += added;
+    }
+
+    /// The sum of two parameters as one, with the interval their covariance gives; not identifiable where either is
+    /// not and its uncertainty is unknown.
+    #[must_use]
+    pub fn sum(&self, (first, second): (usize, usize), described: &[Parameter]) -> IdentifiedParameter {
+        let (a, b) = (&self.parameters[first], &self.parameters[second]);
+        let slope = |j: usize| described[j].transform.slope(self.parameters[j].value);
+        let (sa, sb) = (slope(first), slope(second));
+        let variance = sa * sa * self.covariance[(first, first)]
+            + sb * sb * self.covariance[(second, second)]
+            + 2.0 * sa * sb * self.covariance[(first, second)];
+        let value = a.value + b.value;
+        let known = a.is_identifiable() && b.is_identifiable() && variance.is_finite();
+        let std = known.then(|| variance.max(0.0).sqrt());
+        IdentifiedParameter {
+            name: format!("{} + {}", a.name, b.name),
+            unit: a.unit.clone(),
+            value,
+            std,
+            interval95: std.map(|s| (value - 1.96 * s, value + 1.96 * s)),
+            identifiability: if a.is_identifiable() {
+                b.identifiability.clone()
+            } else {
+                a.identifiability.clone()
+            },
+        }
+    }
+
     /// Widens intervals where a covariance that knows more of the noise is larger than that of the fit.
     ///
     /// `covariance` is that of the free coordinates, in their order.
@@ -117,13 +167,8 @@ impl Identified {
             }
             let ratio = (covariance[(k, k)] / self.covariance[(j, j)]).sqrt();
             k += 1;
-            if ratio > 1.0 && ratio.is_finite() {
-                let transform = described[j].transform;
-                let centre = transform.coordinate(parameter.value);
-                let stretch =
-                    |end: f64| transform.value(centre + ratio * (transform.coordinate(end) - centre));
-                parameter.std = parameter.std.map(|std| ratio * std);
-                parameter.interval95 = parameter.interval95.map(|(low, high)| (stretch(low), stretch(high)));
+            if ratio > 1.0 {
+                parameter.stretch(ratio, &described[j]);
             }
         }
     }

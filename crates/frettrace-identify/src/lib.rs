@@ -12,6 +12,7 @@ mod identified;
 mod model;
 mod parameter;
 mod profile;
+mod systematic;
 
 pub use error::IdentifyError;
 pub use fit::{Fit, FitSettings, ManyFits, Status, fit, fit_from_many, starts};
@@ -20,3 +21,4 @@ pub use identified::{
 };
 pub use model::{Model, NoSolution};
 pub use parameter::{Parameter, Prior, Transform};
+pub use systematic::{widen_by_held, widen_to_accuracy};

@@ -1,5 +1,6 @@
 //! The friction law behind a recording: accelerations of a beam, or motion and force of the contact itself.
 
+mod accelerations;
 mod contact_record;
 mod estimates;
 
@@ -25,7 +26,9 @@ pub fn identify(
     progress: &Progress,
 ) -> Result<Identification, StudyError> {
     match recording {
-        Recording::Measurement(_) => Err(StudyError::UnknownLaw { name: String::new() }),
+        Recording::Measurement(measurement) => {
+            accelerations::identify(measurement, &families(options, &measurement.support.law)?, progress)
+        }
         Recording::Contact(record) => {
             contact_record::identify(record, &families(options, &record.law)?, progress)
         }

@@ -242,7 +242,8 @@ fn radians(unit: &str) -> String {
     .to_owned()
 }
 
-fn comparison(ranking: &frettrace_identify::evidence::Ranking<Family>) -> Vec<String> {
+/// What a comparison of laws says, in words.
+pub(super) fn comparison(ranking: &frettrace_identify::evidence::Ranking<Family>) -> Vec<String> {
     let [best, others @ ..] = &ranking.candidates[..] else { return Vec::new() };
     if others.is_empty() {
         return Vec::new();

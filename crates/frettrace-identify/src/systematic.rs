@@ -1,0 +1,58 @@
+//! What a fixed value that is not quite known does to the fitted ones.
+
+use crate::fit::stacked;
+use crate::{Fit, Identified, Model};
+use nalgebra::{DMatrix, DVector};
+
+/// Widens the intervals of `identified` by parameters of the model that were held, each known to a standard deviation
+/// (parameter index, std): `C += Σ_s d_s d_sᵀ`, `d_s = −(JᵀJ)⁻¹Jᵀ ∂r/∂p_s · std_s`.
+///
+/// A calibration of a sensor, say, is the same for all lines and runs: no number of residuals averages it out.
+pub fn widen_by_held<M: Model>(model: &M, fit: &Fit, identified: &mut Identified, held: &[(usize, f64)]) {
+    if let Some(covariance) = covariance(model, fit, held) {
+        identified.add_covariance(&covariance, model.parameters());
+    }
+}
+
+/// Widens the intervals of all free parameters without a prior by a relative accuracy of the model itself.
+pub fn widen_to_accuracy<M: Model>(model: &M, identified: &mut Identified, accuracy: f64) {
+    let count = identified.parameters.len();
+    let mut covariance = DMatrix::zeros(count, count);
+    for (j, parameter) in model.parameters().iter().enumerate() {
+        if parameter.prior.is_none() && identified.covariance[(j, j)] > 0.0 {
+            let value = identified.parameters[j].value;
+            let slope = parameter.transform.slope(value);
+            covariance[(j, j)] = (accuracy * value / slope).powi(2);
+        }
+    }
+    identified.add_covariance(&covariance, model.parameters());
+}
+
+fn covariance<M: Model>(model: &M, fit: &Fit, held: &[(usize, f64)]) -> Option<DMatrix<f64>> {
+    let rows = model.residual_count();
+    let mut residual = vec![0.0; rows];
+    let mut jacobian = DMatrix::zeros(rows, fit.values.len());
+    let mut wanted = fit.free.clone();
+    for (index, _) in held {
+        *wanted.get_mut(*index)? = true;
+    }
+    let mut memory = model.memory();
+    model.linearise(&fit.values, &wanted, &mut memory, (&mut residual, &mut jacobian)).ok()?;
+    let (tall, _) = stacked(model, &fit.values, &fit.free, (&jacobian, &residual));
+    let columns: Vec<usize> = (0..fit.free.len()).filter(|j| fit.free[*j]).collect();
+    let decomposition = tall.qr();
+    let triangle = decomposition.r();
+    let mut sum = DMatrix::zeros(fit.values.len(), fit.values.len());
+    for (index, std) in held {
+        let mut right = DVector::zeros(decomposition.q().nrows());
+        right.rows_mut(0, rows).copy_from(&(jacobian.column(*index) * *std));
+        let projected = decomposition.q().tr_mul(&right);
+        let shift = triangle.solve_upper_triangular(&projected)?;
+        for (a, i) in columns.iter().enumerate() {
+            for (b, j) in columns.iter().enumerate() {
+                sum[(*i, *j)] += shift[a] * shift[b];
+            }
+        }
+    }
+    sum.iter().all(|x: &f64| x.is_finite()).then_some(sum)
+}

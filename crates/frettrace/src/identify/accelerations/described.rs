@@ -1,0 +1,97 @@
+//! A joint fit as it stands in the result file.
+
+use super::super::estimates::{estimate, remark};
+use super::Joint;
+use crate::results::{
+    ErrorSummary, Estimate, HeldOut, Identification, ModeEstimate, NoiseFloorSource, Provenance, Structure,
+};
+use frettrace_explain::Study;
+use frettrace_forward::accelerations::Quantity;
+use frettrace_friction::effects::Hook;
+use frettrace_identify::{IdentifiedParameter, Parameter};
+use frettrace_measurement::Measurement;
+use std::collections::BTreeMap;
+
+/// The result file of a joint fit.
+pub(super) fn described((measurement, study): (&Measurement, &Study<'_>), joint: &Joint) -> Identification {
+    let names = |runs: &[usize]| runs.iter().map(|k| measurement.runs[*k].id.clone()).collect::<Vec<_>>();
+    let stated = measurement.sensors.noise_std.is_some();
+    let summary = |runs: &[usize]| {
+        let error = study.error(&joint.fitted, runs);
+        ErrorSummary {
+            force: None,
+            acceleration: Some(error.relative()),
+            noise_floor: error.relative_floor(),
+            noise_floor_source: if stated { NoiseFloorSource::Given } else { NoiseFloorSource::Estimated },
+        }
+    };
+    let mut notes = Vec::new();
+    let mut parameters = BTreeMap::new();
+    for parameter in published(joint) {
+        notes.extend(remark(&parameter.name, &parameter));
+        parameters.insert(parameter.name.clone(), estimate(&parameter));
+    }
+    let fitted = [&study.training[..], &study.held_out[..]].concat();
+    let left_out: Vec<usize> = (0..measurement.runs.len()).filter(|k| !fitted.contains(k)).collect();
+    if !left_out.is_empty() {
+        notes.push(format!("runs that are not periodic or have no balanced solution take no part: {}", names(&left_out).join(", ")));
+    }
+    let held_out = HeldOut { error: summary(&study.held_out), runs: names(&study.held_out) };
+    Identification {
+        law: joint.family.name().to_owned(),
+        parameters,
+        structure: structure(joint),
+        steps: joint.steps.clone(),
+        error: summary(&study.training),
+        held_out: (!study.held_out.is_empty()).then_some(held_out),
+        provenance: Provenance {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            seed: 0,
+            training_runs: names(&study.training),
+        },
+        notes,
+    }
+}
+
+/// The law's parameters by the names of the contract: `mu_s` instead of its rise over `mu_k`, and no bristle where the
+/// law has none.
+fn published(joint: &Joint) -> Vec<IdentifiedParameter> {
+    let unknowns = &joint.fitted.unknowns;
+    let place = |hook: Hook| unknowns.iter().position(|u| u.quantity == Quantity::Law(hook));
+    let described: Vec<Parameter> = unknowns.iter().map(|u| u.parameter.clone()).collect();
+    unknowns
+        .iter()
+        .zip(&joint.identified.parameters)
+        .filter_map(|(unknown, parameter)| match unknown.quantity {
+            Quantity::Law(Hook::Sigma0) if joint.family.is_static() => None,
+            Quantity::Law(Hook::StribeckRise) => {
+                let both = (place(Hook::MuKinetic)?, place(Hook::StribeckRise)?);
+                let sum = joint.identified.sum(both, &described);
+                Some(IdentifiedParameter { name: "mu_s".to_owned(), ..sum })
+            }
+            Quantity::Law(_) => Some(parameter.clone()),
+            _ => None,
+        })
+        .collect()
+}
+
+fn structure(joint: &Joint) -> Structure {
+    let find = |quantity: Quantity| -> Option<Estimate> {
+        let place = joint.fitted.unknowns.iter().position(|u| u.quantity == quantity)?;
+        Some(estimate(&joint.identified.parameters[place]))
+    };
+    let modes = (0..joint.fitted.setting.frequency.len()).filter_map(|n| {
+        let frequency = hertz(find(Quantity::ModeFrequency(n))?);
+        Some(ModeEstimate { frequency, damping_ratio: find(Quantity::ModeDamping(n))? })
+    });
+    Structure { modes: modes.collect() }
+}
+
+fn hertz(mut value: Estimate) -> Estimate {
+    let turn = std::f64::consts::TAU;
+    value.value /= turn;
+    value.std /= turn;
+    value.interval95 = value.interval95.map(|end| end / turn);
+    "Hz".clone_into(&mut value.unit);
+    value
+}
