@@ -3,8 +3,7 @@
 use super::Family;
 use super::history::{Closure, ContactHistory};
 use frettrace_friction::effects::ModifiedState;
-use frettrace_friction::{FrictionLaw, Scalar, Step};
-use num_dual::DualSVec64;
+use frettrace_friction::{FrictionLaw, Gradient, Scalar, Step};
 
 /// Errors of the motion that are added to it.
 pub(super) struct Shift<'a> {
@@ -146,29 +145,28 @@ fn tangents_by<const N: usize>(
     (out, slopes): (&mut [f64], &mut [f64]),
 ) {
     let count = values.len();
-    let mut duals = [DualSVec64::<N>::from(0.0); N];
+    let mut duals = [Gradient::<N>::constant(0.0); N];
     for (j, value) in values.iter().enumerate() {
-        duals[j] = DualSVec64::from_re(*value).derivative(j);
+        duals[j] = Gradient::variable(*value, j);
     }
-    let opening = DualSVec64::<N>::from_re(start).derivative(N - 1);
+    let opening = Gradient::<N>::variable(start, N - 1);
     let mut by_start = vec![0.0; out.len()];
-    let lane = |x: &DualSVec64<N>, j: usize| x.eps.0.as_ref().map_or(0.0, |e| e[j]);
     out.fill(0.0);
     slopes.fill(0.0);
-    let end = drive((family, &duals[..count]), history, (opening, None), |k, force: DualSVec64<N>| {
+    let end = drive((family, &duals[..count]), history, (opening, None), |k, force: Gradient<N>| {
         out[k] = force.re;
-        by_start[k] = lane(&force, N - 1);
+        by_start[k] = force.slopes[N - 1];
         for j in 0..count {
-            slopes[k * count + j] = lane(&force, j);
+            slopes[k * count + j] = force.slopes[j];
         }
     });
     if history.closure == Closure::Open || family.is_static() {
         return;
     }
     // b₀ = P(b₀, θ): db₀/dθ = P_θ/(1 − P_b).
-    let stay = (1.0 - lane(&end, N - 1)).max(1e-9);
+    let stay = (1.0 - end.slopes[N - 1]).max(1e-9);
     for j in 0..count {
-        let moved = lane(&end, j) / stay;
+        let moved = end.slopes[j] / stay;
         for (k, by) in by_start.iter().enumerate() {
             slopes[k * count + j] += by * moved;
         }
