@@ -16,4 +16,5 @@ pub use fitting::{AccelerationFit, Unknown};
 pub use records::{RunRecord, RunSamples};
 pub use search::Explained;
 pub use verdict::{Named, Outcome, Place, Tried, Verdict, explain};
+pub use start::histories;
 pub use study::{ExplainError, Fitted, RunError, Study};

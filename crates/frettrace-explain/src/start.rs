@@ -15,7 +15,7 @@ const SAMPLES: usize = 256;
 const LINES: usize = 60;
 
 /// Recovered histories of the selected runs.
-pub(crate) fn histories(
+pub fn histories(
     case: &Case, model: &AccelerationModel, setting: &Setting, selected: &[usize],
 ) -> Result<Vec<ContactHistory>, AccelerationError> {
     let balances = model.balance(setting, selected)?;
