@@ -11,6 +11,10 @@ use crate::lift::sign;
 pub trait Scalar: DualNum<Primitive = f64> + Copy + Send + Sync {}
 impl<T: DualNum<Primitive = f64> + Copy + Send + Sync> Scalar for T {}
 
+/// A reversal closer to an end of the step, as a fraction of it, is one at the sample itself: a velocity there that is 0
+/// but for rounding must not leave a stroke without duration.
+const REVERSAL: f64 = 1e-9;
+
 /// The motion of the contact over one step; index 0 is the old sample, 1 the new one.
 ///
 /// Between the samples the slip is the cubic through both slips and both slip velocities (Hermite), the normal force
@@ -95,6 +99,9 @@ impl<T: Scalar> Step<T> {
         let [bend, lean, start] = self.velocity_parabola();
         let root = (lean * lean - bend * start * 4.0).sqrt();
         let reversal = start * 2.0 / (root * sense - lean);
+        if !(reversal.re() > REVERSAL && reversal.re() < 1.0 - REVERSAL) {
+            return (self.single_stroke(), None);
+        }
         let zero = T::from(0.0);
         let travel = self.at(reversal).0 - self.slip[0];
         let rest = self.slip[1] - self.slip[0] - travel;

@@ -6,6 +6,7 @@
 
 pub mod bristle;
 mod catalogue;
+mod claims;
 #[cfg(test)]
 mod conformance;
 pub mod effects;
@@ -20,7 +21,8 @@ pub mod masing;
 pub mod parameter;
 
 pub use bristle::{Bristle, Instant, Saturation, Steady};
-pub use catalogue::{Claims, FrictionModel, Law, Visitor};
+pub use catalogue::{FrictionModel, Law, Visitor};
+pub use claims::Claims;
 pub use error::Error;
 pub use gradient::Gradient;
 pub use law::{FrictionLaw, Scalar, Step, Stroke};

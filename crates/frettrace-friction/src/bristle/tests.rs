@@ -174,3 +174,16 @@ fn stiff_steps_reach_the_steady_deflection() {
         assert!(lag.abs() < 3e-4, "{saturation:?} {lag}");
     }
 }
+
+#[test]
+fn a_velocity_that_is_zero_but_for_rounding_does_no_harm() {
+    let law = bristle(Saturation::Breakaway, Steady::Stribeck);
+    for velocity in [[1e-3, -1e-20], [1e-20, -1e-3], [0.0, 1e-3], [-1e-3, 0.0], [0.0, 0.0], [-1e-3, 1e-300]] {
+        let slip = [1e-5, 1e-5 + 0.5e-2 * (velocity[0] + velocity[1])];
+        let step = Step { slip, velocity, normal: [1.0; 2], dt: 1e-2 };
+        let ([z], force) = law.step([3e-6], &step);
+        let near = z - (3e-6 + slip[1] - slip[0]);
+        // An elastic step, or one that has just entered the partial-slip zone.
+        assert!(force.is_finite() && near.abs() < 3e-6, "{velocity:?}: {z} {force}");
+    }
+}

@@ -4,6 +4,7 @@
 //! nothing, one that is active with the value zero changes nothing. So the tangent at zero of an effect is the
 //! derivative of the law with its hook active at zero.
 
+mod coefficient;
 mod hooks;
 mod kernel;
 mod modified;

@@ -8,10 +8,8 @@
 
 use super::hooks::{HOOKS, Hook};
 use super::kernel::{decay_mean, elasto_plastic, power, relax};
-use crate::law::{FrictionLaw, Scalar, Step};
-
-/// Smallest friction coefficient a modification may leave.
-const LEAST_FRICTION: f64 = 1e-6;
+use crate::bristle::Friction;
+use crate::law::{FrictionLaw, Scalar, Step, Stroke};
 
 /// What a step needs to know beside the motion of the contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,11 +53,11 @@ pub struct ModifiedLaw<T> {
 
 /// One end of a stretch.
 #[derive(Clone, Copy)]
-struct End<T> {
-    slip: T,
-    speed: T,
-    normal: T,
-    memory: T,
+pub(super) struct End<T> {
+    pub(super) slip: T,
+    pub(super) speed: T,
+    pub(super) normal: T,
+    pub(super) memory: T,
 }
 
 impl<T: Scalar> ModifiedLaw<T> {
@@ -97,11 +95,11 @@ impl<T: Scalar> ModifiedLaw<T> {
         ModifiedLaw { values, active: self.active }
     }
 
-    fn on(&self, hook: Hook) -> bool {
+    pub(super) fn on(&self, hook: Hook) -> bool {
         self.active[hook as usize]
     }
 
-    fn at(&self, hook: Hook) -> T {
+    pub(super) fn at(&self, hook: Hook) -> T {
         self.values[hook as usize]
     }
 
@@ -118,84 +116,6 @@ impl<T: Scalar> ModifiedLaw<T> {
     pub fn rest_at(&self, slip: T) -> ModifiedState<T> {
         let memory = if self.on(Hook::LagTime) { T::from(1.0) } else { T::from(0.0) };
         ModifiedState([T::from(0.0), memory, slip, T::from(0.0)])
-    }
-
-    /// Stribeck weight `w(x)`, `x = |v|/v_s`: 1 at rest, 0 at speed.
-    fn weight(&self, speed: T) -> T {
-        let x = speed / self.at(Hook::StribeckVelocity) + 1e-9;
-        let delta =
-            if self.on(Hook::StribeckExponent) { self.at(Hook::StribeckExponent) } else { T::from(2.0) };
-        let power = (x.ln() * delta).exp();
-        let decay = (-power).exp();
-        if !self.on(Hook::RationalShare) {
-            return decay;
-        }
-        let rational = (power + 1.0).recip();
-        decay + (rational - decay) * self.at(Hook::RationalShare)
-    }
-
-    /// Film thickness that belongs to a steady speed, `min(|v|/v_b, 1)^{2/3}`.
-    fn steady_film(&self, speed: T) -> T {
-        let x = speed / self.at(Hook::FilmVelocity) + 1e-9;
-        if x.re() < 1.0 { (x.ln() * (2.0 / 3.0)).exp() } else { T::from(1.0) }
-    }
-
-    /// The friction coefficient at one end of a stretch that moves with the sign `sign`.
-    fn friction(&self, end: &End<T>, sign: f64, circumstance: &Circumstance) -> T {
-        let mut mu = self.at(Hook::MuKinetic);
-        if self.on(Hook::StribeckRise) {
-            let weight = if self.on(Hook::LagTime) {
-                end.memory
-            } else if self.on(Hook::SpeedLag) || self.on(Hook::VelocityLag) {
-                self.weight(end.memory.abs())
-            } else {
-                self.weight(end.speed)
-            };
-            mu += self.at(Hook::StribeckRise) * weight;
-        }
-        if self.on(Hook::FilmLoss) {
-            mu *= -(self.at(Hook::FilmLoss) * end.memory) + 1.0;
-        } else if self.on(Hook::AgeingGain) {
-            let age = end.memory / self.at(Hook::AgeingTime);
-            mu *= self.at(Hook::AgeingGain) * age.ln_1p() + 1.0;
-        }
-        if self.on(Hook::Asymmetry) {
-            mu *= self.at(Hook::Asymmetry) * sign + 1.0;
-        }
-        mu *= self.place_factor(end.slip);
-        if self.on(Hook::NormalExponent) && circumstance.preload > 0.0 {
-            let ratio = end.normal / circumstance.preload;
-            if ratio.re() > 0.02 {
-                mu *= (-(ratio.ln() * self.at(Hook::NormalExponent))).exp();
-            }
-        }
-        if self.on(Hook::Wear) {
-            mu *= self.at(Hook::Wear) * circumstance.progress + 1.0;
-        }
-        if mu.re() > LEAST_FRICTION { mu } else { T::from(LEAST_FRICTION) }
-    }
-
-    fn place_factor(&self, slip: T) -> T {
-        let mut factor = T::from(1.0);
-        if self.on(Hook::Position) {
-            factor += self.at(Hook::Position) * slip;
-        }
-        if self.on(Hook::PositionSquare) {
-            factor += self.at(Hook::PositionSquare) * slip * slip;
-        }
-        if self.on(Hook::PeriodicNumber) {
-            let (sine, cosine) = (self.at(Hook::PeriodicNumber) * slip).sin_cos();
-            factor += self.at(Hook::PeriodicCosine) * cosine + self.at(Hook::PeriodicSine) * sine;
-        }
-        factor
-    }
-
-    /// Whether the friction coefficient changes along a stretch.
-    fn varies(&self) -> bool {
-        [Hook::StribeckRise, Hook::FilmLoss, Hook::AgeingGain, Hook::Position, Hook::PositionSquare]
-            .into_iter()
-            .chain([Hook::PeriodicNumber, Hook::NormalExponent])
-            .any(|hook| self.on(hook))
     }
 
     /// The memory after a stretch.
@@ -280,8 +200,26 @@ impl<T: Scalar> ModifiedLaw<T> {
         middle.memory = self.remember(memory, &from, &middle, half);
         to.memory = self.remember(middle.memory, &middle, &to, half);
         let [start, mid, stop] = [&from, &middle, &to].map(|end| self.friction(end, sign, circumstance));
-        let b = self.flow(b, [start, mid], middle.slip - from.slip, from.normal);
-        (self.flow(b, [mid, stop], to.slip - middle.slip, middle.normal), to.memory)
+        if self.on(Hook::SeriesCompliance) {
+            let b = self.flow(b, [start, mid], middle.slip - from.slip, from.normal);
+            return (self.flow(b, [mid, stop], to.slip - middle.slip, middle.normal), to.memory);
+        }
+        let stroke = Stroke {
+            travel: slip,
+            direction: sign,
+            velocity: [motion.velocity[0], speed, motion.velocity[1]],
+            fraction: [T::from(0.0), T::from(0.5), T::from(1.0)],
+            duration: motion.dt,
+        };
+        let friction = Friction::new(self.at(Hook::Sigma0), &stroke, [start, mid, stop]);
+        let after = if self.on(Hook::Breakaway) {
+            friction.breakaway(b * sign, self.at(Hook::Breakaway))
+        } else if self.on(Hook::Exponent) {
+            friction.power(b * sign, self.at(Hook::Exponent))
+        } else {
+            friction.linear(b * sign)
+        };
+        (after * sign, to.memory)
     }
 
     /// Force at one end without the force lag.

@@ -1,0 +1,88 @@
+//! The friction coefficient of the modified law at one end of a stretch.
+
+use super::hooks::Hook;
+use super::modified::{Circumstance, End, ModifiedLaw};
+use crate::law::Scalar;
+
+/// Smallest friction coefficient a modification may leave.
+const LEAST_FRICTION: f64 = 1e-6;
+
+impl<T: Scalar> ModifiedLaw<T> {
+    /// Stribeck weight `w(x)`, `x = |v|/v_s`: 1 at rest, 0 at speed.
+    pub(super) fn weight(&self, speed: T) -> T {
+        let x = speed / self.at(Hook::StribeckVelocity) + 1e-9;
+        let delta =
+            if self.on(Hook::StribeckExponent) { self.at(Hook::StribeckExponent) } else { T::from(2.0) };
+        let power = (x.ln() * delta).exp();
+        let decay = (-power).exp();
+        if !self.on(Hook::RationalShare) {
+            return decay;
+        }
+        let rational = (power + 1.0).recip();
+        decay + (rational - decay) * self.at(Hook::RationalShare)
+    }
+
+    /// Film thickness that belongs to a steady speed, `min(|v|/v_b, 1)^{2/3}`.
+    pub(super) fn steady_film(&self, speed: T) -> T {
+        let x = speed / self.at(Hook::FilmVelocity) + 1e-9;
+        if x.re() < 1.0 { (x.ln() * (2.0 / 3.0)).exp() } else { T::from(1.0) }
+    }
+
+    /// The friction coefficient at one end of a stretch that moves with the sign `sign`.
+    pub(super) fn friction(&self, end: &End<T>, sign: f64, circumstance: &Circumstance) -> T {
+        let mut mu = self.at(Hook::MuKinetic);
+        if self.on(Hook::StribeckRise) {
+            let weight = if self.on(Hook::LagTime) {
+                end.memory
+            } else if self.on(Hook::SpeedLag) || self.on(Hook::VelocityLag) {
+                self.weight(end.memory.abs())
+            } else {
+                self.weight(end.speed)
+            };
+            mu += self.at(Hook::StribeckRise) * weight;
+        }
+        if self.on(Hook::FilmLoss) {
+            mu *= -(self.at(Hook::FilmLoss) * end.memory) + 1.0;
+        } else if self.on(Hook::AgeingGain) {
+            let age = end.memory / self.at(Hook::AgeingTime);
+            mu *= self.at(Hook::AgeingGain) * age.ln_1p() + 1.0;
+        }
+        if self.on(Hook::Asymmetry) {
+            mu *= self.at(Hook::Asymmetry) * sign + 1.0;
+        }
+        mu *= self.place_factor(end.slip);
+        if self.on(Hook::NormalExponent) && circumstance.preload > 0.0 {
+            let ratio = end.normal / circumstance.preload;
+            if ratio.re() > 0.02 {
+                mu *= (-(ratio.ln() * self.at(Hook::NormalExponent))).exp();
+            }
+        }
+        if self.on(Hook::Wear) {
+            mu *= self.at(Hook::Wear) * circumstance.progress + 1.0;
+        }
+        if mu.re() > LEAST_FRICTION { mu } else { T::from(LEAST_FRICTION) }
+    }
+
+    fn place_factor(&self, slip: T) -> T {
+        let mut factor = T::from(1.0);
+        if self.on(Hook::Position) {
+            factor += self.at(Hook::Position) * slip;
+        }
+        if self.on(Hook::PositionSquare) {
+            factor += self.at(Hook::PositionSquare) * slip * slip;
+        }
+        if self.on(Hook::PeriodicNumber) {
+            let (sine, cosine) = (self.at(Hook::PeriodicNumber) * slip).sin_cos();
+            factor += self.at(Hook::PeriodicCosine) * cosine + self.at(Hook::PeriodicSine) * sine;
+        }
+        factor
+    }
+
+    /// Whether the friction coefficient changes along a stretch.
+    pub(super) fn varies(&self) -> bool {
+        [Hook::StribeckRise, Hook::FilmLoss, Hook::AgeingGain, Hook::Position, Hook::PositionSquare]
+            .into_iter()
+            .chain([Hook::PeriodicNumber, Hook::NormalExponent])
+            .any(|hook| self.on(hook))
+    }
+}
