@@ -271,7 +271,7 @@ pub fn read_rig(path: &Path) -> Result<Rig, StudyError> {
 pub fn parse_rig(text: &str, path: &Path) -> Result<Rig, StudyError> {
     let rig: Rig = toml::from_str(text).map_err(|error| StudyError::RigSyntax {
         path: path.to_owned(),
-        line: error.span().map_or(1, |span| text[..span.start.min(text.len())].lines().count().max(1)),
+        line: error.span().map_or(1, |span| 1 + text[..span.start.min(text.len())].matches('\n').count()),
         message: error.message().replace('\n', " "),
     })?;
     check::check(&rig).map_err(|problem| StudyError::RigValue {

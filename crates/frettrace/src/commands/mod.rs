@@ -7,6 +7,7 @@ mod inspect;
 mod modes;
 mod plot;
 mod reconstruct;
+mod simulate;
 mod tables;
 
 use clap::{Parser, Subcommand};
@@ -35,6 +36,7 @@ enum Command {
     Modes(modes::Arguments),
     Plot(plot::Arguments),
     Reconstruct(reconstruct::Arguments),
+    Simulate(simulate::Arguments),
 }
 
 /// Runs one command.
@@ -48,6 +50,7 @@ pub fn run(program: Program) -> anyhow::Result<()> {
         Command::Modes(arguments) => modes::run(arguments, &session),
         Command::Plot(arguments) => plot::run(arguments, &session),
         Command::Reconstruct(arguments) => reconstruct::run(arguments, &session),
+        Command::Simulate(arguments) => simulate::run(arguments, &session),
     }
 }
 

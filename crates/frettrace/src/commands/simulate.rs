@@ -1,0 +1,77 @@
+//! `frettrace simulate`.
+
+use super::Session;
+use clap::Args;
+use frettrace::simulate::Simulation;
+use frettrace_forward::march::Settling;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// A synthetic measurement with its truth, from a rig and the effects it does not declare
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  frettrace simulate data/demo/RIG.toml -o rig.h5\n  frettrace inspect rig.h5\n\nThe keys of RIG.toml carry their units; data/demo/RIG.toml shows them."
+)]
+pub struct Arguments {
+    /// Rig (TOML)
+    rig: PathBuf,
+    /// Measurement file made (HDF5, with the truth in /truth)
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Seed of noise and phases, in place of the rig's
+    #[arg(long)]
+    seed: Option<u64>,
+}
+
+#[derive(Serialize)]
+struct Row {
+    run: String,
+    force_amplitude: String,
+    level: f64,
+    largest_slip: f64,
+    period_in_excitation_periods: Option<usize>,
+}
+
+pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
+    let mut rig = frettrace::rig::read_rig(&arguments.rig)?;
+    rig.seed = arguments.seed.unwrap_or(rig.seed);
+    let made = frettrace::simulate::simulate(&rig, &session.progress)?;
+    frettrace_measurement::write_measurement(&arguments.output, &made.measurement, Some(&made.truth))?;
+    let rows = rows(&made);
+    session.answer(&rows, &text(&rows))
+}
+
+fn rows(made: &Simulation) -> Vec<Row> {
+    let runs = made.measurement.runs.iter().zip(&made.truth.runs).zip(&made.settled);
+    runs.map(|((run, truth), settled)| Row {
+        run: run.id.clone(),
+        force_amplitude: run.label.clone(),
+        level: run.acceleration.iter().map(|channel| root_mean_square(channel)).fold(0.0, f64::max),
+        largest_slip: truth.slip_displacement.iter().fold(0.0, |most, u| most.max(u.abs())),
+        period_in_excitation_periods: match settled {
+            Settling::Periodic { multiple, .. } => Some(*multiple),
+            Settling::NotPeriodic { .. } => None,
+        },
+    })
+    .collect()
+}
+
+fn root_mean_square(signal: &[f64]) -> f64 {
+    (signal.iter().map(|x| x * x).sum::<f64>() / signal.len().max(1) as f64).sqrt()
+}
+
+fn text(rows: &[Row]) -> String {
+    let head = "run     force       level [m/s²]  largest slip [m]  settled\n";
+    let lines = rows.iter().map(|row| {
+        let settled = match row.period_in_excitation_periods {
+            Some(1) => "periodic".to_owned(),
+            Some(order) => format!("periodic over {order} excitation periods"),
+            None => "not periodic".to_owned(),
+        };
+        format!(
+            "{:7} {:>8} {:15.3}  {:16.3e}  {settled}\n",
+            row.run, row.force_amplitude, row.level, row.largest_slip
+        )
+    });
+    head.to_owned() + &lines.collect::<String>()
+}
