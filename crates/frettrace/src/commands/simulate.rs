@@ -10,14 +10,17 @@ use std::path::PathBuf;
 /// A synthetic measurement with its truth, from a rig and the effects it does not declare
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  frettrace simulate data/demo/RIG.toml -o rig.h5\n  frettrace inspect rig.h5\n\nThe keys of RIG.toml carry their units; data/demo/RIG.toml shows them."
+    after_help = "Examples:\n  frettrace simulate data/demo/rig.toml -o rig.h5\n  frettrace inspect rig.h5\n\nThe keys of RIG.toml carry their units; data/demo/rig.toml shows them."
 )]
 pub struct Arguments {
     /// Rig (TOML)
     rig: PathBuf,
-    /// Measurement file made (HDF5, with the truth in /truth)
+    /// Measurement file made (HDF5)
     #[arg(short, long)]
     output: PathBuf,
+    /// Leave out what only the simulation knows (/truth)
+    #[arg(long)]
+    without_truth: bool,
     /// Seed of noise and phases, in place of the rig's
     #[arg(long)]
     seed: Option<u64>,
@@ -36,7 +39,8 @@ pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
     let mut rig = frettrace::rig::read_rig(&arguments.rig)?;
     rig.seed = arguments.seed.unwrap_or(rig.seed);
     let made = frettrace::simulate::simulate(&rig, &session.progress)?;
-    frettrace_measurement::write_measurement(&arguments.output, &made.measurement, Some(&made.truth))?;
+    let truth = (!arguments.without_truth).then_some(&made.truth);
+    frettrace_measurement::write_measurement(&arguments.output, &made.measurement, truth)?;
     let rows = rows(&made);
     session.answer(&rows, &text(&rows))
 }
