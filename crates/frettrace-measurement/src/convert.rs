@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use self::description::{Description, Kind, Origin, Run};
 use crate::error::{Error, Problem};
 use crate::formats::{Table, read_table};
-use crate::read::Recording;
+use crate::read::{Recording, read};
 use crate::write::{write_contact_record, write_measurement};
 
 pub use self::guess::guess;
@@ -82,7 +82,25 @@ pub fn convert(inputs: &[PathBuf], description: impl AsRef<Path>) -> Result<Conv
         Kind::Measurement => Recording::Measurement(build::measurement(&mut job, inputs)?),
     };
     job.remarks.extend(plausibility::remarks(&recording));
-    Ok(Converted { recording, remarks: job.remarks })
+    let converted = Converted { recording, remarks: job.remarks };
+    verify(&converted, path)?;
+    Ok(converted)
+}
+
+/// The reader's own rules hold for what is converted too: written aside once and read back.
+fn verify(converted: &Converted, description: &Path) -> Result<(), Error> {
+    let failed =
+        |error: std::io::Error| Error::Write { file: std::env::temp_dir(), reason: error.to_string() };
+    let folder = tempfile::tempdir().map_err(failed)?;
+    let aside = folder.path().join("converted.h5");
+    converted.write(&aside)?;
+    match read(&aside) {
+        Err(Error::Invalid { place, problem, .. }) => {
+            let place = format!("what it makes of the files, {place}");
+            Err(Error::Invalid { file: description.to_path_buf(), place, problem })
+        }
+        other => other.map(drop),
+    }
 }
 
 /// A conversion under way.

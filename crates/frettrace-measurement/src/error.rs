@@ -196,7 +196,7 @@ pub enum Problem {
         expected: usize,
     },
     /// The description of a conversion cannot be understood.
-    #[error("{reason}; see `frettrace convert --help` for the entries")]
+    #[error("{reason}; `frettrace convert FILE --guess` proposes one to start from")]
     BadDescription {
         /// The parser's reason.
         reason: String,
@@ -225,6 +225,14 @@ pub enum Problem {
     MissingInput {
         /// The file.
         file: String,
+    },
+    /// Channels of one run that differ in length.
+    #[error("a channel has {found} samples and another {expected}; take channels of one recording")]
+    UnequalChannels {
+        /// Samples of the shorter.
+        found: usize,
+        /// Samples of the longer.
+        expected: usize,
     },
     /// A piece of a file without samples.
     #[error("the piece holds {samples} samples; take a longer one")]

@@ -176,7 +176,9 @@ fn uneven_times_are_kept_or_resampled() {
     // A ramp is a ramp again, to the four digits printed; it starts at time(0) = 0.004 s.
     let right = |(k, slip): (usize, &f64)| (slip / 0.0254 - 2.0 * (0.004 + 0.02 * k as f64)).abs() < 1e-3;
     assert!(run.slip_displacement.iter().enumerate().all(right));
-    assert!(remarks.iter().any(|remark| remark.contains("resampled to 50 Hz")), "{remarks:?}");
+    // Between samples 6 and 7 lie 0.014 s.
+    let expected = "run.csv: resampled to 50 Hz (Linear); the longest gap bridged is 0.014 s";
+    assert!(remarks.iter().any(|remark| remark == expected), "{remarks:?}");
 }
 
 const RIG: &str = r#"
@@ -260,7 +262,7 @@ fn what_is_refused() {
         contact("title", "colour"),
         "convert.toml: line 3: unknown field `colour`, expected one of `kind`, `title`, `simulated`, `law`, `slip_unit`, \
          `moving_mass`, `force_noise_std`, `sampling_rate`, `resample`, `channels`, `beam`, `modes`, `support`, \
-         `second_support`, `exciter`, `runs`; see `frettrace convert --help` for the entries"
+         `second_support`, `exciter`, `runs`; `frettrace convert FILE --guess` proposes one to start from"
     );
     assert_eq!(
         contact("slip_displacement = { column = 3, unit = \"in\" }", ""),
@@ -278,6 +280,11 @@ fn what_is_refused() {
     assert_eq!(
         rig("label = \"level 1\"", "file = \"other.csv\""),
         "convert.toml: [[runs]]: the file `other.csv` is not among the inputs; give it, or the folder it lies in"
+    );
+    assert_eq!(
+        rig("position = \"200 mm\"", "position = \"2 m\""),
+        "convert.toml: what it makes of the files, /exciter: `position` is 2; it must be above 0 and at most the beam's \
+         length, 0.508 m"
     );
     assert_eq!(
         rig("label = \"level 1\"", "from = \"3 s\""),

@@ -60,30 +60,31 @@ pub(super) fn contact_record(job: &mut Job<'_>, inputs: &[PathBuf]) -> Result<Co
     })
 }
 
-fn contact_run(
-    job: &mut Job<'_>,
-    piece: &Piece,
-    table: &Table,
-    slip_unit: SlipUnit,
-) -> Result<ContactRun, Error> {
+/// The channels of a contact record that the description names.
+fn contact_channels<'a>(job: &Job<'a>, slip_unit: SlipUnit) -> Result<Vec<Wanted<'a>>, Error> {
     let channels = &job.description.channels;
     let slip = job.origin.need("[channels] slip_displacement", channels.slip_displacement.as_ref())?;
     let (displacement, velocity, acceleration) = match slip_unit {
         SlipUnit::Metre => (LENGTH, VELOCITY, ACCELERATION),
         SlipUnit::Radian => (NUMBER, FREQUENCY, [0, 0, -2, 0]),
     };
-    let mut wanted: Vec<Wanted<'_>> =
-        vec![("force", FORCE, &channels.force), ("slip_displacement", displacement, slip)];
-    let optional = [
-        ("slip_velocity", velocity, &channels.slip_velocity),
-        ("slip_acceleration", acceleration, &channels.slip_acceleration),
-        ("normal_force", FORCE, &channels.normal_force),
+    let all = [
+        ("force", FORCE, Some(&channels.force)),
+        ("slip_displacement", displacement, Some(slip)),
+        ("slip_velocity", velocity, channels.slip_velocity.as_ref()),
+        ("slip_acceleration", acceleration, channels.slip_acceleration.as_ref()),
+        ("normal_force", FORCE, channels.normal_force.as_ref()),
     ];
-    wanted.extend(
-        optional
-            .into_iter()
-            .filter_map(|(name, dimension, channel)| Some((name, dimension, channel.as_ref()?))),
-    );
+    Ok(all.into_iter().filter_map(|(name, dimension, channel)| Some((name, dimension, channel?))).collect())
+}
+
+fn contact_run(
+    job: &mut Job<'_>,
+    piece: &Piece,
+    table: &Table,
+    slip_unit: SlipUnit,
+) -> Result<ContactRun, Error> {
+    let wanted = contact_channels(job, slip_unit)?;
     let names: Vec<&str> = wanted.iter().map(|(name, ..)| *name).collect();
     let Signals { time, rate, values } = signals(job, piece, table, &wanted)?;
     let mut values: Vec<Option<Vec<f64>>> = values.into_iter().map(Some).collect();
@@ -165,50 +166,58 @@ fn run(job: &mut Job<'_>, piece: &Piece, table: &Table) -> Result<Run, Error> {
 /// Reads, cuts and, where asked for, resamples the channels of a run.
 fn signals(job: &mut Job<'_>, piece: &Piece, table: &Table, wanted: &[Wanted<'_>]) -> Result<Signals, Error> {
     let file = piece.file.as_path();
-    let whole = wanted
-        .iter()
-        .map(|want| job.channel(Place { file, table, name: want.0, dimension: want.1 }, want.2))
-        .collect::<Result<Vec<_>, _>>()?;
+    let mut whole = Vec::new();
+    for &(name, dimension, channel) in wanted {
+        whole.push(job.channel(Place { file, table, name, dimension }, channel)?);
+    }
     let samples = whole.iter().map(Vec::len).min().unwrap_or(0);
     if let Some(longer) = whole.iter().find(|values| values.len() != samples) {
-        return Err(invalid(file, "channels", Problem::Ragged { found: samples, expected: longer.len() }));
+        let problem = Problem::UnequalChannels { found: samples, expected: longer.len() };
+        return Err(invalid(file, "channels", problem));
     }
     let times = times(job, file, table, samples)?;
+    let kept = kept(job, piece, &times)?;
+    let time = times[kept.clone()].to_vec();
+    let values = whole.iter().map(|values| values[kept.clone()].to_vec()).collect();
+    let mut signals = evenly(job, file, Signals { rate: uniform_rate(&time), time, values })?;
+    for (values, want) in signals.values.iter_mut().zip(wanted) {
+        job.offset(Place { file, table, name: want.0, dimension: want.1 }, want.2, values)?;
+    }
+    let start = signals.time[0];
+    signals.time.iter_mut().for_each(|at| *at -= start);
+    Ok(signals)
+}
+
+/// The samples of a run's piece, in rising time.
+fn kept(job: &Job<'_>, piece: &Piece, times: &[f64]) -> Result<std::ops::Range<usize>, Error> {
     let run = &piece.run;
     let from = job.origin.optional("[[runs]] from", run.from.as_ref(), TIME)?;
     let to = job.origin.optional("[[runs]] to", run.to.as_ref(), TIME)?;
-    let kept = window(&times, from, to);
+    let kept = window(times, from, to);
     if kept.len() < FEWEST_SAMPLES {
-        return Err(invalid(file, "[[runs]] from, to", Problem::EmptyPiece { samples: kept.len() }));
+        return Err(invalid(&piece.file, "[[runs]] from, to", Problem::EmptyPiece { samples: kept.len() }));
     }
-    let (mut time, mut rate) = (times[kept.clone()].to_vec(), uniform_rate(&times[kept.clone()]));
-    if let Some(index) = first_not_rising(&time) {
-        let problem = Problem::EntryOutOfRange {
-            index: kept.start + index,
-            found: time[index],
-            range: "above the time before it".into(),
-        };
-        return Err(invalid(file, "times", problem));
+    let Some(standing) = first_not_rising(&times[kept.clone()]) else { return Ok(kept) };
+    let (index, range) = (kept.start + standing, "above the time before it".to_string());
+    Err(invalid(&piece.file, "times", Problem::EntryOutOfRange { index, found: times[index], range }))
+}
+
+/// Even sampling where the description asks for it.
+fn evenly(job: &mut Job<'_>, file: &Path, signals: Signals) -> Result<Signals, Error> {
+    let Some(wish) = &job.description.resample else { return Ok(signals) };
+    let Signals { time, values, .. } = signals;
+    let rate = job.origin.quantity("[resample] rate", &wish.rate, FREQUENCY)?;
+    if rate.is_nan() || rate <= 0.0 {
+        let problem =
+            Problem::WrongQuantity { found: wish.rate.clone(), expected: "a rate above 0 Hz".into() };
+        return Err(job.origin.invalid("[resample] rate", problem));
     }
-    let mut values: Vec<Vec<f64>> = whole.iter().map(|values| values[kept.clone()].to_vec()).collect();
-    if let Some(wish) = &job.description.resample {
-        let wanted = job.origin.quantity("[resample] rate", &wish.rate, FREQUENCY)?;
-        values = values.iter().map(|values| resample(&time, values, wanted, wish.method)).collect();
-        time = (0..values[0].len()).map(|sample| time[0] + sample as f64 / wanted).collect();
-        rate = Some(wanted);
-        let gap = times[kept.clone()].windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-        let name = file_name(file);
-        job.remark(format!(
-            "{name}: resampled to {wanted} Hz ({:?}); the longest gap bridged is {gap:.3} s",
-            wish.method
-        ));
-    }
-    for (values, want) in values.iter_mut().zip(wanted) {
-        job.offset(Place { file, table, name: want.0, dimension: want.1 }, want.2, values)?;
-    }
-    let start = time[0];
-    time.iter_mut().for_each(|at| *at -= start);
-    Ok(Signals { time, rate, values })
+    let gap = time.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+    let (name, method) = (file_name(file), wish.method);
+    job.remark(format!("{name}: resampled to {rate} Hz ({method:?}); the longest gap bridged is {gap:.3} s"));
+    let values: Vec<Vec<f64>> = values.iter().map(|values| resample(&time, values, rate, method)).collect();
+    let time = (0..values[0].len()).map(|sample| time[0] + sample as f64 / rate).collect();
+    Ok(Signals { time, rate: Some(rate), values })
 }
 
 /// Times of all samples [s]: a column, else the stated sampling rate, else the file's own.
