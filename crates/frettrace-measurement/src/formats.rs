@@ -29,7 +29,7 @@ pub struct Table {
     pub format: &'static str,
     /// The columns.
     pub columns: Vec<Column>,
-    /// The sampling interval [s], where the file states one.
+    /// The sampling interval \[s\], where the file states one.
     pub interval: Option<f64>,
 }
 

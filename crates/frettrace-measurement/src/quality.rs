@@ -37,7 +37,7 @@ pub struct Channel {
     pub noise_std: f64,
     /// Whether the noise is declared in the file.
     pub noise_declared: bool,
-    /// Level of the lines over the noise [dB].
+    /// Level of the lines over the noise \[dB\].
     pub signal_to_noise_db: f64,
     /// Longest plateau at the extreme value, in samples.
     pub plateau: usize,
@@ -54,11 +54,11 @@ pub struct RunQuality {
     pub label: String,
     /// Samples.
     pub samples: usize,
-    /// Excitation frequency refined from the force channel [Hz].
+    /// Excitation frequency refined from the force channel \[Hz\].
     pub frequency: f64,
-    /// Its standard deviation [Hz].
+    /// Its standard deviation \[Hz\].
     pub frequency_std: f64,
-    /// Root mean square of the excitation force without its mean [N].
+    /// Root mean square of the excitation force without its mean \[N\].
     pub force_rms: f64,
     /// Root mean square of the accelerations over all sensors, without means [m/s²].
     pub level: f64,
@@ -85,11 +85,11 @@ pub struct ContactQuality {
     pub label: String,
     /// Samples.
     pub samples: usize,
-    /// Duration [s].
+    /// Duration \[s\].
     pub duration: f64,
     /// Whether samples are equidistant.
     pub uniform: bool,
-    /// Root mean square of the force without its mean [N].
+    /// Root mean square of the force without its mean \[N\].
     pub force_rms: f64,
     /// Largest minus smallest slip, in the unit of the slip.
     pub slip_span: f64,

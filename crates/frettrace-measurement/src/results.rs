@@ -47,7 +47,7 @@ pub struct Coefficients {
 /// The lines of one run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HarmonicTable {
-    /// Frequency of every line [Hz], from 0.
+    /// Frequency of every line \[Hz\], from 0.
     pub frequency: Vec<f64>,
     /// The quantities.
     pub quantities: Vec<Coefficients>,
@@ -60,7 +60,7 @@ pub struct ReconstructedRun {
     pub id: String,
     /// Label of the run.
     pub label: String,
-    /// Refined fundamental frequency [Hz]: the excitation's divided by the subharmonic order.
+    /// Refined fundamental frequency \[Hz\]: the excitation's divided by the subharmonic order.
     pub fundamental_frequency: f64,
     /// Form of the motion.
     pub form: Form,
@@ -78,19 +78,19 @@ pub struct ReconstructedRun {
     pub note: Option<String>,
     /// Further numbers by name, written as attributes of the run.
     pub numbers: Vec<(String, f64)>,
-    /// Time of every sample [s].
+    /// Time of every sample \[s\].
     pub time: Vec<f64>,
-    /// Friction force [N].
+    /// Friction force \[N\].
     pub friction_force: Estimate,
-    /// Normal force [N], the declared preload included.
+    /// Normal force \[N\], the declared preload included.
     pub normal_force: Estimate,
-    /// Slip [m].
+    /// Slip \[m\].
     pub slip_displacement: Estimate,
     /// Slip velocity [m/s].
     pub slip_velocity: Estimate,
     /// Fitted acceleration [m/s²], one a sensor.
     pub acceleration_fit: Vec<Estimate>,
-    /// Force of the second support [N], where one is declared.
+    /// Force of the second support \[N\], where one is declared.
     pub second_support_force: Option<Estimate>,
     /// Complex Fourier coefficients.
     pub coefficients: HarmonicTable,
@@ -101,7 +101,7 @@ pub struct ReconstructedRun {
 pub struct Reconstruction {
     /// Title.
     pub title: String,
-    /// Positions of the sensors [m].
+    /// Positions of the sensors \[m\].
     pub sensor_position: Vec<f64>,
     /// The runs.
     pub runs: Vec<ReconstructedRun>,

@@ -49,7 +49,7 @@ pub(crate) struct Unit {
 
 /// Standard gravity [m/s²], exact by definition (3rd CGPM, 1901).
 const GRAVITY: f64 = 9.80665;
-/// Inch [m] and pound [kg], exact by the international yard and pound agreement of 1959.
+/// Inch \[m\] and pound \[kg\], exact by the international yard and pound agreement of 1959.
 const INCH: f64 = 0.0254;
 const POUND: f64 = 0.453_592_37;
 

@@ -14,15 +14,15 @@ use crate::read::{CONTACT_FORMAT, FORMAT_VERSION, MEASUREMENT_FORMAT};
 pub struct RunTruth {
     /// Name of the run's group.
     pub id: String,
-    /// Friction force [N].
+    /// Friction force \[N\].
     pub friction_force: Vec<f64>,
-    /// Normal force [N].
+    /// Normal force \[N\].
     pub normal_force: Vec<f64>,
-    /// Slip [m].
+    /// Slip \[m\].
     pub slip_displacement: Vec<f64>,
     /// Slip velocity [m/s].
     pub slip_velocity: Vec<f64>,
-    /// Force of the second support [N], where there is one.
+    /// Force of the second support \[N\], where there is one.
     pub second_support_force: Option<Vec<f64>>,
 }
 

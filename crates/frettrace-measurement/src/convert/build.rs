@@ -24,7 +24,7 @@ const FEWEST_SAMPLES: usize = 8;
 /// The channels of one run, cut and evenly sampled where that is asked for or already so.
 struct Signals {
     time: Vec<f64>,
-    /// Rate [Hz], where sampling is uniform.
+    /// Rate \[Hz\], where sampling is uniform.
     rate: Option<f64>,
     /// The channels in the order asked for.
     values: Vec<Vec<f64>>,
@@ -220,7 +220,7 @@ fn evenly(job: &mut Job<'_>, file: &Path, signals: Signals) -> Result<Signals, E
     Ok(Signals { time, rate: Some(rate), values })
 }
 
-/// Times of all samples [s]: a column, else the stated sampling rate, else the file's own.
+/// Times of all samples \[s\]: a column, else the stated sampling rate, else the file's own.
 fn times(job: &mut Job<'_>, file: &Path, table: &Table, samples: usize) -> Result<Vec<f64>, Error> {
     if let Some(channel) = &job.description.channels.time {
         let times = job.channel(Place { file, table, name: "time", dimension: TIME }, channel)?;

@@ -99,7 +99,7 @@ fn level(measurement: &Measurement, run: &Run) -> Option<String> {
 /// Twice the largest response of a mode of damping 1e-4, `4/(2 ζ)`.
 const HIGHEST: f64 = 4.0e4;
 
-/// The first natural frequency of the beam clamped and pinned [Hz], β₁L = 3.9266.
+/// The first natural frequency of the beam clamped and pinned \[Hz\], β₁L = 3.9266.
 fn clamped_pinned(measurement: &Measurement) -> f64 {
     let beam = &measurement.beam;
     let area = beam.area.unwrap_or(beam.width * beam.thickness);

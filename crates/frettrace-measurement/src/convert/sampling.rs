@@ -5,7 +5,7 @@ use super::description::Method;
 /// Share of the interval by which a sample may be late in uniform sampling: times are printed with few digits.
 const JITTER: f64 = 0.1;
 
-/// The uniform rate [Hz] of a list of times, `None` where some sample is off the even grid.
+/// The uniform rate \[Hz\] of a list of times, `None` where some sample is off the even grid.
 pub(super) fn uniform_rate(time: &[f64]) -> Option<f64> {
     let (first, last) = (*time.first()?, *time.last()?);
     let interval = (last - first) / (time.len().checked_sub(1).filter(|&steps| steps > 0)? as f64);
