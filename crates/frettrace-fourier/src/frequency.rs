@@ -7,9 +7,9 @@ use num_complex::Complex64;
 /// A frequency found in a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frequency {
-    /// Base angular frequency [rad/s].
+    /// Base angular frequency (rad/s).
     pub base: f64,
-    /// Its standard deviation [rad/s].
+    /// Its standard deviation (rad/s).
     pub std: f64,
 }
 

@@ -1,12 +1,13 @@
 //! A periodic signal as its complex half spectrum.
 
+use crate::Grid;
 use crate::phasors::Phasors;
 use num_complex::Complex64;
 
 /// Complex half spectrum of a real periodic signal, `x(t) = Re Σ_{h=0..H} x̂_h e^{ihΩt}`, with the variance of each line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Harmonics {
-    /// Base angular frequency `Ω` [rad/s].
+    /// Base angular frequency `Ω` (rad/s).
     pub base: f64,
     /// Coefficients `x̂_0 … x̂_H` (`H + 1`), in the unit of the signal; `x̂_0` is real.
     pub coefficients: Vec<Complex64>,
@@ -29,13 +30,13 @@ impl Harmonics {
         self.coefficients.len().saturating_sub(1)
     }
 
-    /// Angular frequency `hΩ` of line `h` [rad/s].
+    /// Angular frequency `hΩ` of line `h` (rad/s).
     #[must_use]
     pub fn omega(&self, line: usize) -> f64 {
         self.base * line as f64
     }
 
-    /// Value at the time `t` [s].
+    /// Value at the time `t` (s).
     #[must_use]
     pub fn at(&self, t: f64) -> f64 {
         let turn = Complex64::cis(self.base * t);
@@ -45,10 +46,25 @@ impl Harmonics {
     /// Values at `samples` equidistant times `j/sampling_rate`, `j = 0, 1, …`.
     #[must_use]
     pub fn sample(&self, sampling_rate: f64, samples: usize) -> Vec<f64> {
+        if let Some(values) = self.sample_bins(sampling_rate, samples) {
+            return values;
+        }
         let phasors = Phasors::new(self.base / sampling_rate, self.order(), samples);
         let mut values = vec![0.0; samples];
         phasors.synthesise(&self.coefficients, &mut values);
         values
+    }
+
+    /// The same by one Fourier transform where the lines are the bins of the record.
+    fn sample_bins(&self, sampling_rate: f64, samples: usize) -> Option<Vec<f64>> {
+        let periods = self.base * samples as f64 / (sampling_rate * std::f64::consts::TAU);
+        if (periods - 1.0).abs() > 1e-12 {
+            return None;
+        }
+        let grid = Grid::new(self.order(), samples).ok()?;
+        let mut values = vec![0.0; samples];
+        grid.evaluate(&self.coefficients, &mut values, &mut grid.scratch());
+        Some(values)
     }
 
     /// Time derivative: line `h` times `ihΩ`, its variance times `(hΩ)²`.
@@ -87,6 +103,10 @@ mod tests {
         let x = given();
         for (j, value) in x.sample(91.0, 333).iter().enumerate() {
             assert!((value - x.at(j as f64 / 91.0)).abs() < 1e-13, "sample {j}");
+        }
+        let rate = 7.3 * 64.0 / std::f64::consts::TAU;
+        for (j, value) in x.sample(rate, 64).iter().enumerate() {
+            assert!((value - x.at(j as f64 / rate)).abs() < 1e-13, "sample {j} of one period");
         }
     }
 

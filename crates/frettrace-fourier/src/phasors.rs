@@ -18,7 +18,7 @@ pub(crate) struct Phasors {
 }
 
 impl Phasors {
-    /// Phasors of the lines `0..=order` of the step `theta` [rad] for `samples` samples.
+    /// Phasors of the lines `0..=order` of the step `theta` (rad) for `samples` samples.
     pub(crate) fn new(theta: f64, order: usize, samples: usize) -> Self {
         let lines = order + 1;
         let mut inner = Vec::with_capacity(2 * lines * BLOCK);

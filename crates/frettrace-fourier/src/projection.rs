@@ -37,13 +37,13 @@ pub enum ProjectionError {
 /// Where lines are to be found in a record of equidistant samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lines {
-    /// Base angular frequency [rad/s].
+    /// Base angular frequency (rad/s).
     pub base: f64,
     /// Highest line `H`.
     pub order: usize,
     /// Samples of the record.
     pub samples: usize,
-    /// Sampling rate [Hz].
+    /// Sampling rate (Hz).
     pub sampling_rate: f64,
     /// Degree of the slow drift fitted beside the lines; 0 fits a constant only (line 0).
     pub drift: usize,

@@ -24,25 +24,25 @@ pub enum Form {
 pub struct RunLines {
     /// Name of the run.
     pub id: String,
-    /// Sampling rate [Hz].
+    /// Sampling rate (Hz).
     pub sampling_rate: f64,
     /// Samples.
     pub samples: usize,
-    /// Preload [N].
+    /// Preload (N).
     pub preload: f64,
     /// Form.
     pub form: Form,
     /// Subharmonic order `ν` (1 unless the form is subharmonic).
     pub subharmonic_order: usize,
-    /// Base angular frequency `Ω/ν` [rad/s].
+    /// Base angular frequency `Ω/ν` (rad/s).
     pub frequency: Frequency,
-    /// Excitation force [N].
+    /// Excitation force (N).
     pub force: Harmonics,
-    /// Accelerations [m/s²].
+    /// Accelerations (m/s²).
     pub accelerations: Vec<Harmonics>,
-    /// Standard deviation of what the lines leave of each acceleration [m/s²].
+    /// Standard deviation of what the lines leave of each acceleration (m/s²).
     pub residual_std: Vec<f64>,
-    /// Noise of each sensor [m/s²]: declared, or the floor of its spectrum.
+    /// Noise of each sensor (m/s²): declared, or the floor of its spectrum.
     pub noise_std: Vec<f64>,
     /// Share of the accelerations' power beyond the noise that no line holds.
     pub aperiodic_share: f64,
@@ -51,9 +51,13 @@ pub struct RunLines {
 /// Lines of the first refinement over all channels: enough for the frequency, few enough to be quick.
 const REFINEMENT_ORDER: usize = 8;
 
-/// Above this share of the power outside all lines a run is not periodic: a steady state leaves noise only, and one per
-/// cent in power is the ten per cent in amplitude at which no target on force could be kept.
+/// Share of the power outside all lines above which a run is not periodic in any case: three per cent in amplitude.
 const APERIODIC_SHARE: f64 = 1e-3;
+/// The same where what lies outside the lines stands out of the noise by [`STANDS_OUT`]: three per mille in amplitude, the
+/// least that could spoil a force by a per cent near a resonance.
+const CONSPICUOUS_SHARE: f64 = 1e-5;
+/// Power outside the lines over the power of the noise.
+const STANDS_OUT: f64 = 30.0;
 
 /// The highest line is kept this share below half the sampling rate.
 const BAND: f64 = 0.98;
@@ -81,9 +85,13 @@ pub fn analyse(run: &RunData<'_>, sensors: &[Sensor], choice: FormChoice) -> Res
             }
         }
     }
+    let noise_std = noise(sensors, &found);
     let share = excess(&found, &noise_std) / signal_power(run).max(f64::MIN_POSITIVE);
+    let noise_power: f64 = noise_std.iter().map(|s| s * s).sum();
+    let stands_out = excess(&found, &noise_std) > STANDS_OUT * noise_power;
+    let least = if stands_out { CONSPICUOUS_SHARE } else { APERIODIC_SHARE };
     let form = match (choice, order) {
-        (FormChoice::Auto, _) if share > APERIODIC_SHARE => Form::Aperiodic,
+        (FormChoice::Auto, _) if share > least => Form::Aperiodic,
         (_, 1) => Form::Harmonic,
         _ => Form::Subharmonic,
     };

@@ -9,20 +9,20 @@ const INDEPENDENT: f64 = 1e-7;
 /// Measured values of one line.
 #[derive(Clone, Debug)]
 pub struct LineData {
-    /// Line of the excitation force [N].
+    /// Line of the excitation force (N).
     pub force: Complex64,
-    /// Its variance [N²].
+    /// Its variance (N²).
     pub force_variance: f64,
-    /// Lines of the accelerations [m/s²].
+    /// Lines of the accelerations (m/s²).
     pub accelerations: Vec<Complex64>,
-    /// Their variances `E|ε|²` [(m/s²)²].
+    /// Their variances `E|ε|²` (m/s² squared).
     pub variances: Vec<f64>,
 }
 
 /// Solution of one line: `W^{1/2}(a − H_e F_e) = W^{1/2} H_u f + r` by an orthogonal factorisation `QR` of the columns.
 #[derive(Clone, Debug, Default)]
 pub struct LineBalance {
-    /// Unknown forces [N], in the order asked for.
+    /// Unknown forces (N), in the order asked for.
     pub forces: Vec<Complex64>,
     /// Whitened residual, one entry a sensor: what no contact force at the stated places can make.
     pub residual: Vec<Complex64>,
@@ -35,7 +35,7 @@ pub struct LineBalance {
 }
 
 impl LineBalance {
-    /// Solves a line for `loads`, with the prior variances `E|f|²` [N²] of the forces (infinite: none).
+    /// Solves a line for `loads`, with the prior variances `E|f|²` (N²) of the forces (infinite: none).
     #[must_use]
     pub fn solve(line: &LineReceptances, data: &LineData, loads: &[Load], prior: &[f64]) -> Self {
         let sensors = data.accelerations.len();
@@ -139,6 +139,18 @@ impl LineBalance {
             let along = inner(&q[..change.len()], change);
             change.iter_mut().zip(q).for_each(|(d, q)| *d -= along * q);
         }
+    }
+
+    /// What forces within their prior leave of accelerations, prior rows included: `‖·‖²` is `aᴴ(W⁻¹ + H P Hᴴ)⁻¹a`.
+    #[must_use]
+    pub fn remainder(&self, accelerations: &[Complex64]) -> Vec<Complex64> {
+        let mut left = vec![Complex64::ZERO; self.columns.first().map_or(self.sensors, Vec::len)];
+        left.iter_mut().zip(accelerations).zip(&self.weights).for_each(|((l, a), w)| *l = a * *w);
+        for q in &self.columns {
+            let along = inner(q, &left);
+            left.iter_mut().zip(q).for_each(|(l, q)| *l -= along * q);
+        }
+        left
     }
 
     /// Covariance of the forces from sensor noise and prior, row-major: `R⁻¹R⁻ᴴ`.

@@ -3,6 +3,7 @@
 use crate::balance::LineBalance;
 use crate::calibration::{CalibratedStructure, Equations, generalised_force};
 use crate::dynamics::{Dynamics, LineReceptances, Load};
+use crate::splines::PeriodicSpline;
 use frettrace_fourier::Harmonics;
 use num_complex::Complex64;
 
@@ -13,17 +14,17 @@ const HIDDEN: f64 = 0.05;
 /// What was recovered in the contact, line by line; line 0 is zero throughout, for accelerations do not see means.
 #[derive(Clone, Debug)]
 pub struct ContactHarmonics {
-    /// Friction force [N].
+    /// Friction force (N).
     pub friction: Harmonics,
-    /// Slip [m].
+    /// Slip (m).
     pub slip: Harmonics,
-    /// Slip velocity [m/s].
+    /// Slip velocity (m/s).
     pub slip_velocity: Harmonics,
-    /// Normal force less the preload [N].
+    /// Normal force less the preload (N).
     pub normal: Harmonics,
-    /// Force of the second support on the beam [N], where one is declared.
+    /// Force of the second support on the beam (N), where one is declared.
     pub second_support: Option<Harmonics>,
-    /// Accelerations that the structure makes of all forces [m/s²].
+    /// Accelerations that the structure makes of all forces (m/s²).
     pub acceleration_fit: Vec<Harmonics>,
 }
 
@@ -70,6 +71,8 @@ pub(crate) struct Setting<'a> {
     pub(crate) structure: &'a CalibratedStructure,
     pub(crate) dynamics: &'a Dynamics,
     pub(crate) normal_stiffness: f64,
+    /// Whether the friction force is smoothed by a periodic spline instead of line by line.
+    pub(crate) splines: bool,
 }
 
 impl Setting<'_> {
@@ -79,7 +82,7 @@ impl Setting<'_> {
     }
 
     /// Balance without prior: residual, and force and variance of each unknown and line.
-    fn free(&self, run: &Equations<'_>) -> (BalanceResidual, Vec<Vec<(f64, f64)>>) {
+    fn free(&self, run: &Equations<'_>) -> (BalanceResidual, Vec<Vec<(Complex64, f64)>>) {
         let unknowns = run.loads.len();
         let none = vec![f64::INFINITY; unknowns];
         let mut found = BalanceResidual::default();
@@ -90,7 +93,7 @@ impl Setting<'_> {
             let balance = LineBalance::solve(&line, &run.data(h), &run.loads, &none);
             let covariance = balance.covariance();
             for (u, power) in powers.iter_mut().enumerate() {
-                power.push((balance.forces[u].norm_sqr(), covariance[u * unknowns + u].re));
+                power.push((balance.forces[u], covariance[u * unknowns + u].re));
             }
             found.chi_square.push(balance.chi_square());
             found.freedom.push(balance.freedom());
@@ -104,13 +107,17 @@ impl Setting<'_> {
         let (residual, powers) = self.free(run);
         let stride = 2 * run.lines.subharmonic_order;
         let priors: Vec<Vec<f64>> = powers.iter().map(|p| prior_variances(p, stride)).collect();
+        let smooth = if self.splines { smoothed(run, &powers[0]) } else { None };
         let mut table = Table::new(run, self.dynamics.sensors());
         let mut line = LineReceptances::default();
         let mut regularised = Vec::new();
         for h in 1..=run.order() {
             self.dynamics.fill(&self.structure.model, run.lines.force.omega(h), &mut line);
             let prior: Vec<f64> = priors.iter().map(|p| p[h - 1]).collect();
-            let balance = LineBalance::solve(&line, &run.data(h), &run.loads, &prior);
+            let mut balance = LineBalance::solve(&line, &run.data(h), &run.loads, &prior);
+            if let Some(smooth) = &smooth {
+                balance.forces[0] = smooth.coefficients[h];
+            }
             let friction = powers[0][h - 1].1;
             if balance.degenerate || priors[0][h - 1] < friction {
                 regularised.push(h);
@@ -122,18 +129,26 @@ impl Setting<'_> {
     }
 }
 
+/// The lines of the periodic smoothing spline through the friction force.
+fn smoothed(run: &Equations<'_>, friction: &[(Complex64, f64)]) -> Option<Harmonics> {
+    let base = run.lines.force.base;
+    let zero = || std::iter::once((Complex64::ZERO, 0.0));
+    let (coefficients, variance) = zero().chain(friction.iter().copied()).unzip();
+    PeriodicSpline::from_lines(&Harmonics { base, coefficients, variance })?.lines(run.order(), base)
+}
+
 /// Prior variance of each line: the power of the line and of the next two of its parity (friction forces fall with the
 /// line and hold odd or even lines), less the noise in it (empirical Bayes).
-fn prior_variances(found: &[(f64, f64)], stride: usize) -> Vec<f64> {
+fn prior_variances(found: &[(Complex64, f64)], stride: usize) -> Vec<f64> {
     (0..found.len())
         .map(|h| {
             let near = || (0..3).filter_map(|i| found.get(h + i * stride)).filter(|(_, v)| v.is_finite());
             let weight = |v: f64| 1.0 / (v * v).max(f64::MIN_POSITIVE);
             let total: f64 = near().map(|(_, v)| weight(*v)).sum();
-            let excess: f64 = near().map(|(p, v)| weight(*v) * (p - v)).sum();
+            let excess: f64 = near().map(|(f, v)| weight(*v) * (f.norm_sqr() - v)).sum();
             let power = if total > 0.0 { excess / total } else { 0.0 };
             // A line that stands out by itself speaks for itself.
-            let own = found[h].0 - found[h].1;
+            let own = found[h].0.norm_sqr() - found[h].1;
             let alone = if own > 4.0 * found[h].1 { own } else { 0.0 };
             power.max(alone).max(HIDDEN * found[h].1).max(f64::MIN_POSITIVE)
         })

@@ -7,13 +7,13 @@ use num_complex::Complex64;
 /// A load on the beam.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Load {
-    /// The excitation force [N].
+    /// The excitation force (N).
     Exciter,
-    /// The friction force [N]; it resists positive slip.
+    /// The friction force (N); it resists positive slip.
     Friction,
-    /// Deviation of the normal reaction from its linear spring [N], positive towards positive `w`.
+    /// Deviation of the normal reaction from its linear spring (N), positive towards positive `w`.
     NormalDeviation,
-    /// Transverse force of the second support on the beam [N].
+    /// Transverse force of the second support on the beam (N).
     SecondSupport,
 }
 
@@ -58,25 +58,25 @@ pub struct LineReceptances {
 }
 
 impl LineReceptances {
-    /// Angular frequency [rad/s].
+    /// Angular frequency (rad/s).
     #[must_use]
     pub fn omega(&self) -> f64 {
         self.omega
     }
 
-    /// Accelerance from a load to a sensor [m/s² per N].
+    /// Accelerance from a load to a sensor (m/s² per N).
     #[must_use]
     pub fn acceleration(&self, sensor: usize, load: Load) -> Complex64 {
         self.matrix[sensor * COLUMNS + load.column()] * -(self.omega * self.omega)
     }
 
-    /// Slip per load [m/N].
+    /// Slip per load (m/N).
     #[must_use]
     pub fn slip(&self, load: Load) -> Complex64 {
         self.matrix[self.sensors * COLUMNS + load.column()]
     }
 
-    /// Transverse displacement of the end per load [m/N].
+    /// Transverse displacement of the end per load (m/N).
     #[must_use]
     pub fn end(&self, load: Load) -> Complex64 {
         self.matrix[(self.sensors + 1) * COLUMNS + load.column()]
@@ -139,7 +139,7 @@ impl Dynamics {
         self.input[mode * COLUMNS + load.column()]
     }
 
-    /// Fills `line` with the receptances at `omega` [rad/s].
+    /// Fills `line` with the receptances at `omega` (rad/s).
     pub fn fill(&self, structure: &ModalModel, omega: f64, line: &mut LineReceptances) {
         let outputs = self.sensors + 2;
         line.omega = omega;

@@ -19,9 +19,9 @@ pub enum InverseError {
     OffTheBeam {
         /// Whose position.
         what: String,
-        /// The position [m].
+        /// The position (m).
         position: f64,
-        /// Length of the beam [m].
+        /// Length of the beam (m).
         length: f64,
     },
     /// A run has another number of channels than the rig has sensors, or channels of different length.

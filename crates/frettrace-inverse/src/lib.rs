@@ -13,16 +13,23 @@
 //! | [`CalibratedStructure`] | the modes after calibration, with covariance |
 //! | [`ContactHarmonics`] | what was recovered in the contact |
 //! | [`BalanceResidual`] | what was not |
+//! | [`PeriodicSpline`] | a periodic smoothing spline through lines |
+//! | [`Finding`] | what is wrong with the channels |
+//! | [`ModeComparison`] | three hypotheses about the motion, compared |
 //! | [`Reconstruction`] | all of it, as time series too: [`reconstruct`] |
 
 mod analysis;
+mod aperiodic;
 mod balance;
 mod calibration;
 mod contact;
 mod dynamics;
 mod error;
+mod findings;
+mod modes;
 mod reconstruction;
 mod rig;
+mod splines;
 
 pub use analysis::{Form, RunLines, analyse};
 pub use balance::{LineBalance, LineData};
@@ -30,5 +37,8 @@ pub use calibration::CalibratedStructure;
 pub use contact::{BalanceResidual, ContactHarmonics};
 pub use dynamics::{Dynamics, LineReceptances, Load};
 pub use error::InverseError;
+pub use findings::Finding;
+pub use modes::{ModeComparison, compare_modes};
 pub use reconstruction::{Channel, Reconstruction, RunReconstruction, reconstruct};
 pub use rig::{FormChoice, ModeTrust, Options, Rig, RunData, Sensor, Slip};
+pub use splines::PeriodicSpline;

@@ -6,9 +6,11 @@ mod series;
 pub use series::Channel;
 
 use crate::analysis::{Form, RunLines, analyse};
+use crate::aperiodic;
 use crate::calibration::{CalibratedStructure, Equations, calibrate};
 use crate::contact::{BalanceResidual, ContactHarmonics, RunBalance, Setting};
 use crate::dynamics::{Dynamics, Load};
+use crate::findings::{self, Finding};
 use crate::{InverseError, Options, Rig, RunData, Slip};
 use rayon::prelude::*;
 
@@ -24,6 +26,8 @@ pub struct Reconstruction {
     pub structure: CalibratedStructure,
     /// The runs, in the order given.
     pub runs: Vec<RunReconstruction>,
+    /// What is wrong with the channels.
+    pub findings: Vec<Finding>,
 }
 
 /// What was recovered of one run. Time series have one value a sample.
@@ -33,19 +37,19 @@ pub struct RunReconstruction {
     pub lines: RunLines,
     /// What was recovered, as lines; `None` for an aperiodic run.
     pub contact: Option<ContactHarmonics>,
-    /// Time of each sample [s].
+    /// Time of each sample (s).
     pub time: Vec<f64>,
-    /// Friction force, its mean left out [N].
+    /// Friction force, its mean left out (N).
     pub friction_force: Channel,
-    /// Normal force, with the declared preload [N].
+    /// Normal force, with the declared preload (N).
     pub normal_force: Channel,
-    /// Slip, its mean left out [m].
+    /// Slip, its mean left out (m).
     pub slip_displacement: Channel,
-    /// Slip velocity [m/s].
+    /// Slip velocity (m/s).
     pub slip_velocity: Channel,
-    /// Force of the second support on the beam, its mean left out [N].
+    /// Force of the second support on the beam, its mean left out (N).
     pub second_support_force: Option<Channel>,
-    /// Accelerations that the structure makes of all forces [m/s²].
+    /// Accelerations that the structure makes of all forces (m/s²).
     pub acceleration_fit: Vec<Channel>,
     /// Relative root mean square of measured less fitted acceleration over all sensors.
     pub acceleration_error: f64,
@@ -85,22 +89,39 @@ pub fn reconstruct(
     if free_normal_reaction(rig, &setting(rig, &structure, &dynamics), &lines, &mut loads) {
         structure = fitted(&declared, &dynamics, (&lines, &loads), options);
     }
-    let setting = setting(rig, &structure, &dynamics);
+    let setting = Setting { splines: options.splines, ..setting(rig, &structure, &dynamics) };
+    let mut findings = findings::of_channels(rig, runs);
+    findings.extend(loudest(&lines).and_then(|run| {
+        let equations = Equations { lines: &lines[run], loads: loads[run].clone() };
+        findings::of_balance(&setting, &equations)
+    }));
     let finished = lines
         .into_par_iter()
         .zip(loads)
         .zip(runs)
         .map(|((lines, loads), run)| {
             let deviates = loads.contains(&Load::NormalDeviation);
-            let balance = setting.balance(&Equations { lines: &lines, loads });
+            let balance = if lines.form == Form::Aperiodic {
+                aperiodic::solve(&setting, run, &lines, &loads)
+            } else {
+                setting.balance(&Equations { lines: &lines, loads })
+            };
             finish(rig, run, (lines, balance), deviates)
         })
         .collect();
-    Ok(Reconstruction { structure, runs: finished })
+    Ok(Reconstruction { structure, runs: finished, findings })
+}
+
+/// The periodic run with the strongest accelerations.
+fn loudest(lines: &[RunLines]) -> Option<usize> {
+    let level = |run: usize| lines[run].accelerations.iter().map(|a| a.rms().powi(2)).sum::<f64>();
+    (0..lines.len())
+        .filter(|run| lines[*run].form != Form::Aperiodic)
+        .max_by(|a, b| level(*a).total_cmp(&level(*b)))
 }
 
 fn setting<'a>(rig: &Rig, structure: &'a CalibratedStructure, dynamics: &'a Dynamics) -> Setting<'a> {
-    Setting { structure, dynamics, normal_stiffness: rig.normal_stiffness }
+    Setting { structure, dynamics, normal_stiffness: rig.normal_stiffness, splines: false }
 }
 
 /// The structure calibrated on the periodic runs.
@@ -169,7 +190,7 @@ fn finish(
     let mut notes = Vec::new();
     if lines.form == Form::Aperiodic {
         notes.push(format!(
-            "not periodic: {:.2} % of the power lies outside all lines",
+            "not periodic: {:.2} % of the power lies outside all lines; balanced over the whole spectrum, drift slower than the record left out",
             100.0 * lines.aperiodic_share
         ));
     }
@@ -186,15 +207,18 @@ fn finish(
         balance: residual,
         normal_deviates: deviates,
         regularised_lines: regularised,
-        unobservable: unobservable(rig),
+        unobservable: unobservable(rig, lines.form),
         notes,
         contact: Some(contact),
         lines,
     }
 }
 
-fn unobservable(rig: &Rig) -> Vec<&'static str> {
+fn unobservable(rig: &Rig, form: Form) -> Vec<&'static str> {
     let mut names = vec!["mean of friction_force", "mean of slip_displacement", "preload"];
+    if form == Form::Aperiodic {
+        names.push("drift slower than the record");
+    }
     if rig.second_support.is_some() {
         names.push("mean of second_support_force");
     }

@@ -7,7 +7,7 @@ use frettrace_beam::ModalModel;
 pub enum Slip {
     /// `u = lever_arm · θ(L, t)`.
     Rotation {
-        /// Lever arm [m].
+        /// Lever arm (m).
         lever_arm: f64,
     },
     /// `u = w(L, t)`.
@@ -26,9 +26,9 @@ pub struct ModeTrust {
 /// An accelerometer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensor {
-    /// Position [m].
+    /// Position (m).
     pub position: f64,
-    /// Standard deviation of its noise [m/s²], where declared.
+    /// Standard deviation of its noise (m/s²), where declared.
     pub noise_std: Option<f64>,
 }
 
@@ -41,11 +41,11 @@ pub struct Rig {
     pub trust: Vec<ModeTrust>,
     /// How the contact at the end slips.
     pub slip: Slip,
-    /// Stiffness of the linear normal support [N/m]; 0 where there is none.
+    /// Stiffness of the linear normal support (N/m); 0 where there is none.
     pub normal_stiffness: f64,
-    /// Position of a declared second support [m].
+    /// Position of a declared second support (m).
     pub second_support: Option<f64>,
-    /// Position of the exciter [m].
+    /// Position of the exciter (m).
     pub exciter: f64,
     /// The accelerometers.
     pub sensors: Vec<Sensor>,
@@ -56,15 +56,15 @@ pub struct Rig {
 pub struct RunData<'a> {
     /// Name.
     pub id: &'a str,
-    /// Sampling rate [Hz].
+    /// Sampling rate (Hz).
     pub sampling_rate: f64,
-    /// Nominal excitation frequency [Hz].
+    /// Nominal excitation frequency (Hz).
     pub excitation_frequency: f64,
-    /// Preload [N].
+    /// Preload (N).
     pub preload: f64,
-    /// Excitation force [N].
+    /// Excitation force (N).
     pub force: &'a [f64],
-    /// Accelerations [m/s²], one slice a sensor.
+    /// Accelerations (m/s²), one slice a sensor.
     pub accelerations: Vec<&'a [f64]>,
 }
 
@@ -87,10 +87,12 @@ pub struct Options {
     pub form: FormChoice,
     /// Whether the structure is calibrated on the balance residual.
     pub calibrate: bool,
+    /// Whether the friction force of periodic runs is a periodic smoothing spline through its lines.
+    pub splines: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { form: FormChoice::Auto, calibrate: true }
+        Self { form: FormChoice::Auto, calibrate: true, splines: false }
     }
 }

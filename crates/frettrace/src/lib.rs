@@ -6,6 +6,7 @@
 //! |---|---|
 //! | [`case`] | a measurement file as the case of an explanation |
 //! | [`explain`] | what the declared model lacks |
+//! | [`hypotheses`] | amplitude-dependent modes: three hypotheses at every level |
 //! | [`identify`] | the friction law behind a recording |
 //! | [`inspect`] | what a file holds and how good its signals are |
 //! | [`modes`] | modes of the declared beam beside the measured ones |
@@ -19,6 +20,7 @@
 pub mod case;
 mod error;
 pub mod explain;
+pub mod hypotheses;
 pub mod identify;
 pub mod inspect;
 pub mod modes;

@@ -5,7 +5,8 @@ use crate::{Progress, StudyError};
 use frettrace_beam::{Boundary, ModalModel, ModalOptions, UniformBeam};
 use frettrace_fourier::Harmonics;
 use frettrace_inverse::{
-    CalibratedStructure, Channel, Form, ModeTrust, Options, Rig, RunData, RunReconstruction, Sensor, Slip,
+    CalibratedStructure, Channel, Finding, Form, ModeTrust, Options, Rig, RunData, RunReconstruction, Sensor,
+    Slip,
 };
 use frettrace_measurement as file;
 use frettrace_measurement::{Measurement, Run, SlipKind};
@@ -18,6 +19,8 @@ pub use frettrace_inverse::FormChoice;
 pub struct ReconstructOptions {
     /// Form of the answer.
     pub form: FormChoice,
+    /// Smooth the friction force of periodic runs by a periodic spline.
+    pub splines: bool,
 }
 
 /// A reconstruction: what goes into the file, and the structure it rests on.
@@ -60,9 +63,14 @@ pub fn reconstruct(
     progress.start(1, "reconstructing");
     let rig = rig(measurement)?;
     let runs: Vec<RunData<'_>> = measurement.runs.iter().map(run_data).collect();
-    let options = Options { form: options.form, ..Options::default() };
+    let options = Options { form: options.form, splines: options.splines, ..Options::default() };
     let inverse = frettrace_inverse::reconstruct(&rig, &runs, &options)?;
-    let runs = inverse.runs.iter().zip(&measurement.runs).map(|(found, run)| written(found, run)).collect();
+    let runs = inverse
+        .runs
+        .iter()
+        .zip(&measurement.runs)
+        .map(|(found, run)| written(found, run, &inverse.findings))
+        .collect();
     progress.step();
     let result = file::Reconstruction {
         title: measurement.title.clone(),
@@ -176,7 +184,9 @@ pub fn run_data(run: &Run) -> RunData<'_> {
     }
 }
 
-fn written(found: &RunReconstruction, run: &Run) -> file::ReconstructedRun {
+fn written(found: &RunReconstruction, run: &Run, findings: &[Finding]) -> file::ReconstructedRun {
+    let notes: Vec<String> =
+        found.notes.iter().cloned().chain(findings.iter().map(Finding::to_string)).collect();
     let balance = found.balance.reduced();
     let mut numbers = vec![
         ("balance_residual".to_owned(), balance),
@@ -201,7 +211,7 @@ fn written(found: &RunReconstruction, run: &Run) -> file::ReconstructedRun {
         acceleration_error: found.acceleration_error,
         noise_floor: found.noise_floor,
         unobservable: found.unobservable.iter().map(|&name| name.to_owned()).collect(),
-        note: (!found.notes.is_empty()).then(|| found.notes.join("; ")),
+        note: (!notes.is_empty()).then(|| notes.join("; ")),
         numbers,
         time: found.time.clone(),
         friction_force: estimate(&found.friction_force),

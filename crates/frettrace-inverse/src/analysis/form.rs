@@ -1,8 +1,7 @@
 //! Evidence for subharmonics.
 
-use frettrace_fourier::{Frequency, spectrum};
-use num_complex::Complex64;
-use std::f64::consts::{LN_2, TAU};
+use frettrace_fourier::{Frequency, Lines, Projector, spectrum};
+use std::f64::consts::LN_2;
 
 /// Highest subharmonic order that is looked for.
 const HIGHEST_ORDER: usize = 8;
@@ -40,29 +39,24 @@ impl Subharmonics<'_> {
     }
 
     fn evidence(&self, residuals: &[&[f64]], order: usize) -> f64 {
-        let step = self.base.base / order as f64 / self.sampling_rate;
-        let band = (std::f64::consts::PI / step) as usize;
-        let lines: Vec<usize> =
-            (1..(MULTIPLES * order).min(band)).filter(|line| !line.is_multiple_of(order)).collect();
+        let Some(samples) = residuals.first().map(|r| r.len()) else { return 0.0 };
+        let base = self.base.base / order as f64;
+        let band = (0.9 * std::f64::consts::PI * self.sampling_rate / base) as usize;
+        let highest = (MULTIPLES * order).min(band);
+        let lines = Lines { base, order: highest, samples, sampling_rate: self.sampling_rate, drift: 0 };
+        let Ok(projector) = Projector::new(lines) else { return f64::NEG_INFINITY };
+        let n = samples as f64;
+        // The harmonics themselves are not new; each line between them has a cosine and a sine.
+        let unknowns = 2.0 * (highest - highest / order) as f64;
         residuals
             .iter()
             .map(|residual| {
-                let n = residual.len() as f64;
                 let power = mean_square(residual);
-                let held: f64 = lines.iter().map(|line| line_power(residual, step * *line as f64)).sum();
-                let left = (power - held).max(1e-6 * power);
-                n * (power / left).ln() - 2.0 * lines.len() as f64 * n.ln()
+                let left = projector.project(residual).map_or(power, |p| mean_square(&p.residual));
+                n * (power / left.max(1e-9 * power)).ln() - unknowns * n.ln()
             })
             .sum()
     }
-}
-
-/// Mean square held by one line: `2|Σ x_j e^{−iφj}|²/n²`.
-fn line_power(x: &[f64], step: f64) -> f64 {
-    let turn = Complex64::cis(-step.rem_euclid(TAU));
-    // Horner's scheme from the last sample: one product a sample.
-    let sum = x.iter().rev().fold(Complex64::ZERO, |sum, value| sum * turn + value);
-    2.0 * sum.norm_sqr() / (x.len() as f64).powi(2)
 }
 
 fn mean_square(x: &[f64]) -> f64 {
@@ -85,6 +79,7 @@ mod tests {
     use super::*;
     use rand::SeedableRng;
     use rand_distr::Distribution;
+    use std::f64::consts::TAU;
 
     fn noise(seed: u64, n: usize) -> Vec<f64> {
         let mut random = rand_pcg::Pcg64::seed_from_u64(seed);

@@ -2,25 +2,41 @@
 
 use super::Session;
 use clap::Args;
+use frettrace::hypotheses::{Level, hypotheses};
 use frettrace::modes::{Mode, modes};
+use frettrace::report::words::percent;
+use serde::Serialize;
 use std::path::PathBuf;
 
-/// Modes of the declared beam beside the measured ones: is the beam what the file says?
+/// Modes of the declared beam beside the measured ones, and how well fixed, real and harmonic-balance modes describe
+/// the motion at each level
 #[derive(Args, Debug)]
-#[command(after_help = "Example:\n  frettrace modes rig.h5")]
+#[command(after_help = "Examples:\n  frettrace modes rig.h5\n  frettrace modes rig.h5 --json")]
 pub struct Arguments {
     /// Measurement file
     file: PathBuf,
 }
 
-pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
-    let measurement = frettrace_measurement::read_measurement(&arguments.file)?;
-    let found = modes(&measurement)?;
-    let head = "mode  declared [Hz]  measured [Hz]  std [Hz]  difference  damping\n".to_owned();
-    session.answer(&found, &(head + &found.iter().map(row).collect::<String>()))
+#[derive(Serialize)]
+struct Answer {
+    modes: Vec<Mode>,
+    levels: Vec<Level>,
 }
 
-fn row(mode: &Mode) -> String {
+pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
+    let measurement = frettrace_measurement::read_measurement(&arguments.file)?;
+    let levels = hypotheses(&measurement, &session.progress)?;
+    let found = Answer { modes: modes(&measurement)?, levels };
+    let head = "mode  declared [Hz]  measured [Hz]  std [Hz]  difference  damping\n";
+    let text = head.to_owned()
+        + &found.modes.iter().map(mode_row).collect::<String>()
+        + "\nerror of the accelerations, described by K fixed modes, K real modes of the level, harmonic balance\n"
+        + "run      level [m/s²]  frequency [Hz]  preload [N]  lubricated  K        fixed        real  harmonic balance     noise  likeness\n"
+        + &found.levels.iter().map(level_row).collect::<String>();
+    session.answer(&found, &text)
+}
+
+fn mode_row(mode: &Mode) -> String {
     let shown = |value: Option<f64>, decimals: usize, unit: &str| {
         value.map_or("–".to_owned(), |value| format!("{value:.decimals$}{unit}"))
     };
@@ -33,5 +49,23 @@ fn row(mode: &Mode) -> String {
         shown(mode.measured_std_hz, 4, ""),
         shown(difference, 3, " %"),
         shown(mode.damping_ratio.map(|ratio| 100.0 * ratio), 3, " %"),
+    )
+}
+
+fn level_row(level: &Level) -> String {
+    format!(
+        "{:8} {:12.4}  {:14.4}  {:11.3}  {:>10}  {}  {:>11}  {:>10}  {:>16}  {:>8}  {:.6} (mode {})\n",
+        level.run,
+        level.level,
+        level.frequency_hz,
+        level.preload,
+        level.lubricated.map_or("–", |yes| if yes { "yes" } else { "no" }),
+        level.modes,
+        percent(level.fixed),
+        percent(level.real),
+        percent(level.harmonic),
+        percent(level.noise_floor),
+        level.assurance,
+        level.resembles + 1,
     )
 }

@@ -21,6 +21,9 @@ pub struct Arguments {
     /// Form of the answer
     #[arg(long, value_enum, default_value_t = Form::Auto)]
     form: Form,
+    /// Smooth the friction force by a periodic spline with knots where it bends
+    #[arg(long)]
+    splines: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -52,8 +55,11 @@ pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
         Form::Harmonic => FormChoice::Harmonic,
         Form::Subharmonic => FormChoice::Subharmonic,
     };
-    let found =
-        frettrace::reconstruct::reconstruct(&measurement, &ReconstructOptions { form }, &session.progress)?;
+    let found = frettrace::reconstruct::reconstruct(
+        &measurement,
+        &ReconstructOptions { form, splines: arguments.splines },
+        &session.progress,
+    )?;
     frettrace_measurement::write_reconstruction(&arguments.output, &found.result)?;
     let rows = rows(&found);
     session.answer(&rows, &text(&rows))

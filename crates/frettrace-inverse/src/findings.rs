@@ -1,0 +1,234 @@
+//! What is wrong with the channels, found from the samples and from the balance.
+
+use crate::balance::LineBalance;
+use crate::calibration::Equations;
+use crate::contact::Setting;
+use crate::dynamics::LineReceptances;
+use crate::{Rig, RunData, RunLines};
+use frettrace_beam::{Dof, Freedom};
+
+/// What a person should look at before trusting the result.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Finding {
+    /// A sensor that does not move although its neighbours do.
+    DeadSensor {
+        /// Index of the sensor.
+        sensor: usize,
+    },
+    /// A sensor whose extreme values repeat: its range is too small.
+    ClippedSensor {
+        /// Index of the sensor.
+        sensor: usize,
+        /// Name of the run.
+        run: String,
+    },
+    /// Two sensors with the same samples.
+    DuplicatedSensors {
+        /// Their indices.
+        sensors: [usize; 2],
+    },
+    /// Two sensors that fit the beam only when exchanged.
+    SwappedSensors {
+        /// Their indices.
+        sensors: [usize; 2],
+    },
+    /// One sensor alone contradicts the others; with this gain on it the balance closes.
+    SensorGain {
+        /// Index of the sensor.
+        sensor: usize,
+        /// Measured over true; 0.102 means that it is in units of g.
+        gain: f64,
+    },
+    /// A sensor at a node of a measured mode: it says nothing of it.
+    SensorAtNode {
+        /// Index of the sensor.
+        sensor: usize,
+        /// The mode, from 0.
+        mode: usize,
+    },
+    /// A single run: friction's own stiffness and an error of a natural frequency may be confused.
+    SingleRun,
+}
+
+impl std::fmt::Display for Finding {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::DeadSensor { sensor } => write!(out, "sensor {sensor} is dead: check its cable"),
+            Self::ClippedSensor { sensor, run } => {
+                write!(out, "sensor {sensor} is clipped in run {run}: widen its range")
+            }
+            Self::DuplicatedSensors { sensors: [a, b] } => {
+                write!(out, "sensors {a} and {b} have the same samples: one channel was recorded twice")
+            }
+            Self::SwappedSensors { sensors: [a, b] } => {
+                write!(out, "sensors {a} and {b} fit the beam only when exchanged: check the cables")
+            }
+            Self::SensorGain { sensor, gain } => {
+                write!(
+                    out,
+                    "sensor {sensor} reads {gain:.4} of what the others imply: check its calibration or unit"
+                )
+            }
+            Self::SensorAtNode { sensor, mode } => {
+                write!(out, "sensor {sensor} sits at a node of mode {}: it says nothing of it", mode + 1)
+            }
+            Self::SingleRun => {
+                write!(
+                    out,
+                    "one run only: a stiff contact and a natural frequency that is off may be confused"
+                )
+            }
+        }
+    }
+}
+
+/// Share of the largest level below which a sensor is dead: nodes of the motion leave more.
+const DEAD: f64 = 1e-5;
+/// Share of samples at the extreme value from which a channel is clipped.
+const CLIPPED: f64 = 0.01;
+/// Share of a mode's largest value at the sensors below which a sensor is at its node.
+const NODE: f64 = 0.01;
+/// Reduced chi-square of the balance from which a sensor is suspected, and the share that may be left without the fault.
+const CONSPICUOUS: f64 = 20.0;
+const LEFT: f64 = 0.02;
+/// Lines that are looked at: the strongest ones stand first.
+const LINES: usize = 3;
+
+/// Findings from the samples alone and from the declared positions.
+pub(crate) fn of_channels(rig: &Rig, runs: &[RunData<'_>]) -> Vec<Finding> {
+    let mut found = Vec::new();
+    if runs.len() == 1 {
+        found.push(Finding::SingleRun);
+    }
+    let levels: Vec<f64> = (0..rig.sensors.len())
+        .map(|s| runs.iter().map(|run| span(run.accelerations[s])).fold(0.0, f64::max))
+        .collect();
+    let loudest = levels.iter().copied().fold(0.0, f64::max);
+    for (sensor, level) in levels.iter().enumerate() {
+        if *level <= DEAD * loudest {
+            found.push(Finding::DeadSensor { sensor });
+        } else if let Some(run) = runs.iter().find(|run| is_clipped(run.accelerations[sensor])) {
+            found.push(Finding::ClippedSensor { sensor, run: run.id.to_owned() });
+        }
+        let twin = (0..sensor).find(|other| {
+            *level > 0.0 && runs.iter().all(|run| run.accelerations[*other] == run.accelerations[sensor])
+        });
+        found.extend(twin.map(|other| Finding::DuplicatedSensors { sensors: [other, sensor] }));
+    }
+    found.extend(nodes(rig));
+    found
+}
+
+fn span(x: &[f64]) -> f64 {
+    let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    high - low
+}
+
+fn is_clipped(x: &[f64]) -> bool {
+    let high = x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let low = x.iter().copied().fold(f64::INFINITY, f64::min);
+    let at = |limit: f64| x.iter().filter(|v| **v == limit).count() as f64;
+    low < high && at(high).max(at(low)) > (CLIPPED * x.len() as f64).max(3.0)
+}
+
+fn nodes(rig: &Rig) -> Vec<Finding> {
+    let shapes = rig.structure.shapes();
+    let at = |mode: usize, sensor: usize| {
+        let position = rig.sensors[sensor].position;
+        shapes[mode].at(Dof { position, freedom: Freedom::Displacement }).abs()
+    };
+    let sensors = 0..rig.sensors.len();
+    (0..rig.trust.len().min(shapes.len()))
+        .flat_map(|mode| {
+            let largest = sensors.clone().map(|s| at(mode, s)).fold(0.0, f64::max);
+            sensors
+                .clone()
+                .filter(move |s| at(mode, *s) < NODE * largest)
+                .map(move |sensor| Finding::SensorAtNode { sensor, mode })
+        })
+        .collect()
+}
+
+/// Findings from the balance of one run: exchanged sensors, or one sensor's gain.
+pub(crate) fn of_balance(setting: &Setting<'_>, run: &Equations<'_>) -> Option<Finding> {
+    let sensors = run.lines.accelerations.len();
+    if sensors < run.loads.len() + 2 {
+        return None;
+    }
+    let before = reduced(setting, run, run.lines);
+    if before < CONSPICUOUS {
+        return None;
+    }
+    let exchanged = (0..sensors)
+        .flat_map(|b| (0..b).map(move |a| [a, b]))
+        .map(|pair| {
+            let mut lines = run.lines.clone();
+            lines.accelerations.swap(pair[0], pair[1]);
+            (pair, reduced(setting, run, &lines))
+        })
+        .min_by(|a, b| a.1.total_cmp(&b.1));
+    if let Some((sensors, after)) = exchanged
+        && after < LEFT * before
+    {
+        return Some(Finding::SwappedSensors { sensors });
+    }
+    let (sensor, after) = (0..sensors)
+        .map(|sensor| (sensor, reduced(setting, run, &without(run.lines, sensor))))
+        .min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let gain = gain(setting, run, sensor)?;
+    (after < LEFT * before).then_some(Finding::SensorGain { sensor, gain })
+}
+
+/// The lines with one sensor's weight taken away.
+fn without(lines: &RunLines, sensor: usize) -> RunLines {
+    let mut lines = lines.clone();
+    lines.accelerations[sensor].variance.fill(f64::INFINITY);
+    lines
+}
+
+/// Reduced chi-square of the strongest lines.
+fn reduced(setting: &Setting<'_>, run: &Equations<'_>, lines: &RunLines) -> f64 {
+    let (mut chi, mut freedom) = (0.0, 0);
+    for balance in balances(setting, run, lines) {
+        chi += balance.1.chi_square();
+        freedom += balance.1.freedom();
+    }
+    chi / freedom.max(1) as f64
+}
+
+fn balances(
+    setting: &Setting<'_>,
+    run: &Equations<'_>,
+    lines: &RunLines,
+) -> Vec<(LineReceptances, LineBalance)> {
+    let mut strength: Vec<(usize, f64)> = (1..=run.order())
+        .map(|h| (h, lines.accelerations.iter().map(|a| a.coefficients[h].norm_sqr()).sum()))
+        .collect();
+    strength.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let equations = Equations { lines, loads: run.loads.clone() };
+    let free = vec![f64::INFINITY; run.loads.len()];
+    strength
+        .iter()
+        .take(LINES)
+        .map(|(h, _)| {
+            let mut line = LineReceptances::default();
+            setting.dynamics.fill(&setting.structure.model, lines.force.omega(*h), &mut line);
+            let balance = LineBalance::solve(&line, &equations.data(*h), &run.loads, &free);
+            (line, balance)
+        })
+        .collect()
+}
+
+/// Measured over predicted acceleration of a sensor on the strongest line, predicted from the other sensors.
+fn gain(setting: &Setting<'_>, run: &Equations<'_>, sensor: usize) -> Option<f64> {
+    let lines = without(run.lines, sensor);
+    let (line, balance) = balances(setting, run, &lines).into_iter().next()?;
+    let h = (line.omega() / lines.force.base).round() as usize;
+    let mut predicted = line.acceleration(sensor, crate::Load::Exciter) * run.lines.force.coefficients[h];
+    for (load, force) in run.loads.iter().zip(&balance.forces) {
+        predicted += line.acceleration(sensor, *load) * force;
+    }
+    let measured = run.lines.accelerations[sensor].coefficients[h];
+    Some((measured / predicted).re)
+}
