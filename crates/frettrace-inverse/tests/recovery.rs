@@ -60,7 +60,13 @@ fn steady_state_with_measured_modes() {
     let run = &found.runs[0];
     assert_eq!(run.lines.form, Form::Harmonic);
     let over = run.acceleration_error / run.noise_floor;
-    assert!(over < 1.05, "{over}: {:?} {:?} {:?}", run.lines.residual_std, &run.balance.chi_square[..20], run.regularised_lines);
+    assert!(
+        over < 1.05,
+        "{over}: {:?} {:?} {:?}",
+        run.lines.residual_std,
+        &run.balance.chi_square[..20],
+        run.regularised_lines
+    );
     // Chi-square over some 500 degrees of freedom scatters by 6 %.
     assert!((0.8..1.25).contains(&run.balance.reduced()), "{}", run.balance.reduced());
     assert!(!run.normal_deviates);

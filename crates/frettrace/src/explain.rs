@@ -1,8 +1,8 @@
 //! What the declared model lacks: the wiring of an explanation.
 
 use crate::results::{
-    BeforeAfter, Candidate, Effect, ErrorSummary, Estimate, Explanation, HeldOut, Identification, ModeEstimate,
-    NoiseFloorSource, Place, Provenance, Structure, Verdict,
+    BeforeAfter, Candidate, Effect, ErrorSummary, Estimate, Explanation, HeldOut, Identification,
+    ModeEstimate, NoiseFloorSource, Place, Provenance, Structure, Verdict,
 };
 use crate::{Progress, StudyError, case};
 use frettrace_explain::{Explained, Outcome, RunError};
@@ -83,7 +83,11 @@ fn explanation(measurement: &Measurement, options: &ExplainOptions, outcome: &Ou
 }
 
 fn floor_source(measurement: &Measurement) -> NoiseFloorSource {
-    if measurement.sensors.noise_std.is_some() { NoiseFloorSource::Given } else { NoiseFloorSource::Estimated }
+    if measurement.sensors.noise_std.is_some() {
+        NoiseFloorSource::Given
+    } else {
+        NoiseFloorSource::Estimated
+    }
 }
 
 fn summary(error: &RunError, source: NoiseFloorSource) -> ErrorSummary {
@@ -156,11 +160,7 @@ fn identification(law: &str, model: &Explained) -> Identification {
     for (mode, (&frequency, &damping)) in setting.frequency.iter().zip(&setting.damping).enumerate() {
         let tau = std::f64::consts::TAU;
         structure.modes.push(ModeEstimate {
-            frequency: estimate(
-                frequency / tau,
-                model.deviation(Quantity::ModeFrequency(mode)) / tau,
-                "Hz",
-            ),
+            frequency: estimate(frequency / tau, model.deviation(Quantity::ModeFrequency(mode)) / tau, "Hz"),
             damping_ratio: estimate(damping, model.deviation(Quantity::ModeDamping(mode)), "1"),
         });
     }

@@ -52,9 +52,15 @@ pub fn text(found: &Explanation) -> String {
         text += &tables::before_after("held-out runs", held_out);
     }
     for effect in &found.effects {
-        text += &format!("\n{} (probability {:.3})\n{}", effect.id, effect.probability, tables::estimates(&effect.parameters));
+        text += &format!(
+            "\n{} (probability {:.3})\n{}",
+            effect.id,
+            effect.probability,
+            tables::estimates(&effect.parameters)
+        );
         if let Some(experiment) = &effect.separating_experiment {
-            text += &format!("  to tell it from {}: {experiment}\n", effect.indistinguishable_from.join(" and "));
+            text +=
+                &format!("  to tell it from {}: {experiment}\n", effect.indistinguishable_from.join(" and "));
         }
     }
     let law = if found.effects.is_empty() { &found.baseline } else { &found.model };

@@ -10,7 +10,8 @@ use std::collections::BTreeMap;
 pub fn identification(found: &Identification) -> String {
     let mut text = format!("law {}\n{}", found.law, estimates(&found.parameters));
     for step in &found.steps {
-        text += &format!("step {}: {} (error {})\n", step.name, step.parameters.join(", "), percent(step.error));
+        text +=
+            &format!("step {}: {} (error {})\n", step.name, step.parameters.join(", "), percent(step.error));
     }
     text += &error("fitted runs", &found.error);
     if let Some(held_out) = &found.held_out {
@@ -47,7 +48,8 @@ pub fn structure(found: &Structure) -> String {
 
 fn error(name: &str, error: &ErrorSummary) -> String {
     let of = |what: &str, value: Option<f64>| value.map(|value| format!("{what} {}", percent(value)));
-    let parts: Vec<_> = [of("acceleration", error.acceleration), of("force", error.force)].into_iter().flatten().collect();
+    let parts: Vec<_> =
+        [of("acceleration", error.acceleration), of("force", error.force)].into_iter().flatten().collect();
     format!("error on {name}: {} (noise {})\n", parts.join(", "), percent(error.noise_floor))
 }
 
