@@ -1,6 +1,7 @@
 //! Contact elements that push back in more than the tangential direction, or have no memory.
 
 use super::contact::{ContactLaw, Family};
+use crate::march::Characteristic;
 use frettrace_friction::{Scalar, Step};
 
 /// Unilateral normal spring with a Jenkins element whose slip limit follows the normal force.
@@ -102,6 +103,46 @@ impl<T: Scalar> ContactLaw<T> for Stop {
         let [x, v] = [step.slip[1], step.velocity[1]];
         let force = push(x, v);
         (state, [if self.two_sided { force - push(-x, -v) } else { force }, T::zero()])
+    }
+}
+
+/// A local load of the time march as an element of the harmonic balance; the force is minus the load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LocalElement(pub Characteristic);
+
+impl Family for LocalElement {
+    type Law<T: Scalar> = Self;
+
+    fn parameters(&self) -> &[f64] {
+        &[]
+    }
+
+    fn law<T: Scalar>(&self, _: &[T]) -> Self {
+        *self
+    }
+}
+
+impl<T: Scalar> ContactLaw<T> for LocalElement {
+    type State = [T; 0];
+
+    const FORCES: usize = 1;
+
+    fn rest(&self) -> [T; 0] {
+        []
+    }
+
+    #[inline]
+    fn step(&self, state: [T; 0], step: &Step<T>) -> ([T; 0], [T; 2]) {
+        let [x, v] = [step.slip[1], step.velocity[1]];
+        let force = match self.0 {
+            Characteristic::Spring(k) => x * k,
+            Characteristic::CubicSpring(k) => x * x * x * k,
+            Characteristic::Dashpot(c) => v * c,
+            Characteristic::QuadraticDashpot(c) => v * v * (c * v.re().signum()),
+            Characteristic::Stop { stiffness, gap } => positive(x - gap) * stiffness,
+            Characteristic::SmoothCoulomb { level, velocity } => (v / velocity).tanh() * level,
+        };
+        (state, [force, T::zero()])
     }
 }
 

@@ -23,6 +23,7 @@ mod modes;
 mod network;
 mod newton;
 mod period;
+mod response;
 mod solver;
 mod system;
 mod tangent;
@@ -34,11 +35,14 @@ pub use contact::{Contact, ContactLaw, Family, Friction, Normal, STATE_LIMIT};
 pub use continuation::{Curve, Point, Sweep, SweepStatus};
 pub use element::{Element, Motion, Orbit, Partials};
 pub use floquet::Floquet;
-pub use laws::{ElasticContact, Stop};
+pub use laws::{ElasticContact, LocalElement, Stop};
 pub use lines::Lines;
 pub use modes::{ModePoint, Modes};
 pub use network::{Load, Network, Reading, Support};
 pub use newton::Status;
+pub use response::{
+    BackbonePoint, FrictionBeam, LevelResponse, Response, ResponseOptions, ResponsePoint, response,
+};
 pub use solver::{Settings, Solution, Solver};
 pub use system::Problem;
 pub use tangent::Tangents;

@@ -1,0 +1,151 @@
+//! Harmonic balance of high order against the time march, which shares nothing with it but modes and law.
+
+#[path = "peers/problems.rs"]
+#[allow(dead_code)]
+mod problems;
+
+use frettrace_forward::hb::{
+    Accuracy, AdaptiveSolver, Contact, Element, Family, Friction, Network, Normal, Problem, Settings, Status,
+};
+use frettrace_forward::march::{
+    Assembly, Characteristic, FrictionContact, LocalLoad, March, Normal as MarchNormal, SettleOptions,
+    Settling, Structure, settle,
+};
+use frettrace_friction::{FrictionLaw, Scalar, laws::Jenkins};
+use problems::rms;
+
+/// The Jenkins element of the catalogue, its reversals found between samples.
+struct Slider {
+    stiffness: f64,
+    limit: f64,
+}
+
+impl Family for Slider {
+    type Law<T: Scalar> = Friction<Jenkins<T>>;
+
+    fn parameters(&self) -> &[f64] {
+        &[]
+    }
+
+    fn law<T: Scalar>(&self, _: &[T]) -> Self::Law<T> {
+        Friction(Jenkins { tangential_stiffness: self.stiffness.into(), mu_k: self.limit.into() })
+    }
+}
+
+/// Root mean square of a channel by harmonic balance of an order that truncates nothing above 1e-8 if it can.
+fn balance(network: &Network, contact: Contact, omega: f64, channel: usize) -> f64 {
+    let accuracy = Accuracy { truncation: 1e-8, sampling: 1e-7, orders: [31, 255], samples: 8192 };
+    let settings = Settings { tolerance: 1e-10, ..Settings::default() };
+    let lines = network.lines(omega, 511, 1.0).unwrap();
+    let contacts = [contact];
+    let problem = Problem { lines: &lines, contacts: &contacts };
+    let adapted = AdaptiveSolver::new(accuracy, settings).solve(&problem, None).unwrap();
+    assert_eq!(adapted.solution.status, Status::Converged);
+    rms(&lines.motion(channel, &adapted.solution.forces), false)
+}
+
+/// Root mean square of a port over the settled period, mean left out.
+fn marched<L: FrictionLaw<f64>>(
+    assembly: &Assembly<L>,
+    loads: &[(f64, f64)],
+    omega: f64,
+    port: usize,
+) -> f64 {
+    let options = SettleOptions {
+        steps_per_period: 8192,
+        tolerance: 1e-8,
+        ..SettleOptions::new(std::f64::consts::TAU / omega)
+    };
+    let known = |time: f64, out: &mut [f64]| {
+        for (slot, (steady, amplitude)) in out.iter_mut().zip(loads) {
+            *slot = steady + amplitude * (omega * time).cos();
+        }
+    };
+    let mut march = March::new(assembly, options.period / options.steps_per_period as f64);
+    let settled = settle(&mut march, &options, known);
+    assert!(matches!(settled, Settling::Periodic { multiple: 1, .. }), "{settled:?}");
+    let (start, dt) = (march.time(), options.period / options.steps_per_period as f64);
+    let mut values = vec![0.0; loads.len()];
+    let samples: Vec<f64> = (1..=options.steps_per_period)
+        .map(|k| {
+            known(start + k as f64 * dt, &mut values);
+            march.step(&values);
+            march.displacement(port)
+        })
+        .collect();
+    let mean = samples.iter().sum::<f64>() / samples.len() as f64;
+    (samples.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / samples.len() as f64).sqrt()
+}
+
+fn agree(name: &str, one: f64, other: f64) {
+    // The march's hold errs by (ωΔt)²/12 = 5e-8 on line 1 and by as much more on the small lines above.
+    assert!((one / other - 1.0).abs() < 1e-6, "{name}: {one:e} {other:e} {:e}", one / other - 1.0);
+}
+
+#[test]
+fn jenkins_beams() {
+    for (name, peer, [stiffness, limit, force], omegas) in [
+        ("P2", problems::p2(), [1.3e6, 1.0, 0.2], [343.0, 330.0]),
+        ("P3", problems::p3(), [1e8, 106.0, 20.0], [488.0, 600.0]),
+    ] {
+        let element = Slider { stiffness, limit };
+        for omega in omegas {
+            let normal = Normal::Constant(1.0);
+            let contact = Contact { slip: 0, normal, force: 0, normal_force: None, element: &element };
+            let found = balance(&peer.network, contact, omega, 1);
+            let dashpot = Characteristic::Dashpot(peer.network.supports[0].damping);
+            let law = Jenkins { tangential_stiffness: stiffness, mu_k: limit };
+            let assembly = Assembly {
+                structure: peer.network.structure.clone(),
+                inputs: vec![1],
+                friction: Some(FrictionContact { law, slip_port: 0, normal: MarchNormal::constant(1.0) }),
+                loads: vec![LocalLoad { port: 0, characteristic: dashpot }],
+            };
+            agree(name, found, marched(&assembly, &[(0.0, force)], omega, 1));
+        }
+    }
+}
+
+/// The march keeps the linear spring of the normal contact in the structure, and reads `w = −n`.
+#[test]
+fn normal_and_tangential() {
+    let peer = problems::p4();
+    for omega in [2.0, 3.6] {
+        let found = balance(&peer.network, peer.contact(), omega, 0);
+        let frequency = vec![12.0_f64.sqrt(), 42.0_f64.sqrt()];
+        let damping = vec![0.05, 1.0 / frequency[1]];
+        let rows = vec![vec![1.0, 0.0], vec![0.0, 1.0], vec![0.0, -1.0]];
+        let normal =
+            MarchNormal { port: Some(2), stiffness: 21.0, lifts_off: true, ..MarchNormal::constant(0.0) };
+        let law = Jenkins { tangential_stiffness: 5.0, mu_k: 0.85 };
+        let assembly = Assembly {
+            structure: Structure::new(frequency, damping, rows).unwrap(),
+            inputs: vec![0, 1],
+            friction: Some(FrictionContact { law, slip_port: 0, normal }),
+            loads: Vec::new(),
+        };
+        agree("P4", found, marched(&assembly, &[(0.0, 100.0), (100.0, 10.0)], omega, 0));
+    }
+}
+
+/// A solver that must have another order is not the same solver: what is reported is what was used.
+#[test]
+fn order_rises_with_the_accuracy_asked() {
+    let peer = problems::p3();
+    let element: &dyn Element = peer.element.as_ref();
+    let contact = Contact { element, ..peer.contact() };
+    let lines = peer.network.lines(480.0, 255, 1.0).unwrap();
+    let contacts = [contact];
+    let problem = Problem { lines: &lines, contacts: &contacts };
+    let solve = |truncation| {
+        let accuracy = Accuracy { truncation, sampling: 1e-2, orders: [7, 127], samples: 4096 };
+        AdaptiveSolver::new(accuracy, Settings::default()).solve(&problem, None).unwrap()
+    };
+    let (coarse, fine) = (solve(3e-2), solve(1e-5));
+    let tip =
+        |adapted: &frettrace_forward::hb::Adapted| rms(&lines.motion(1, &adapted.solution.forces), false);
+    assert!(coarse.settings.order < fine.settings.order);
+    assert!(fine.solution.truncation <= 1e-5 && coarse.solution.truncation > fine.solution.truncation);
+    // Time march of the third code at 480 rad/s: 3.96171994e-5 m; order 7 is 2.7 % away.
+    assert!((tip(&fine) / 3.961_719_94e-5 - 1.0).abs() < 1e-4, "{:e}", tip(&fine));
+}
