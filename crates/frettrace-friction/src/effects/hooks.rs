@@ -31,21 +31,21 @@ pub enum Hook {
     Breakaway,
     /// Relative difference of the friction coefficient between the two directions, `μ(1 + a·sgn v)`.
     Asymmetry,
-    /// Time by which the friction coefficient lags behind velocity [s].
+    /// Time by which the friction coefficient lags behind velocity \[s\].
     LagTime,
     /// Loss of friction when a film has built up, as a share of `μ`.
     FilmLoss,
-    /// Time constant with which the film builds up [s].
+    /// Time constant with which the film builds up \[s\].
     FilmRise,
-    /// Time constant with which the film breaks down [s].
+    /// Time constant with which the film breaks down \[s\].
     FilmFall,
     /// Velocity at which the film is complete [m/s].
     FilmVelocity,
     /// Gain of friction per e-fold of the contact's age, as a share of `μ`.
     AgeingGain,
-    /// Slip that renews the contact [m].
+    /// Slip that renews the contact \[m\].
     AgeingDistance,
-    /// Age from which strengthening is seen [s].
+    /// Age from which strengthening is seen \[s\].
     AgeingTime,
     /// Relative change of the friction coefficient with slip [1/m].
     Position,
@@ -67,19 +67,19 @@ pub enum Hook {
     ParallelStiffness,
     /// Cubic spring beside the contact [N/m³].
     ParallelCubic,
-    /// Half the play of the contact [m].
+    /// Half the play of the contact \[m\].
     Backlash,
     /// Relative modulation of the preload: cosine of the phase.
     ModulationCosine,
     /// Relative modulation of the preload: sine of the phase.
     ModulationSine,
-    /// Time constant of a first-order lag of the friction force [s].
+    /// Time constant of a first-order lag of the friction force \[s\].
     ForceLag,
     /// Viscous coefficient of second degree [N·s²/m²].
     ViscousSquare,
-    /// Time by which the speed that sets the friction coefficient lags behind the speed [s].
+    /// Time by which the speed that sets the friction coefficient lags behind the speed \[s\].
     SpeedLag,
-    /// Time by which the velocity that sets the friction coefficient lags behind the velocity, signs included [s].
+    /// Time by which the velocity that sets the friction coefficient lags behind the velocity, signs included \[s\].
     VelocityLag,
 }
 

@@ -14,7 +14,7 @@ use crate::law::{FrictionLaw, Scalar, Step, Stroke};
 /// What a step needs to know beside the motion of the contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circumstance {
-    /// Preload `N₀` [N].
+    /// Preload `N₀` \[N\].
     pub preload: f64,
     /// Place of the run between the first (0) and the last (1).
     pub progress: f64,
