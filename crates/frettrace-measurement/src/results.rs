@@ -115,7 +115,7 @@ const FORMAT: &str = "frettrace-reconstruction";
 /// # Errors
 /// [`Error::Write`].
 pub fn write_reconstruction(path: impl AsRef<Path>, result: &Reconstruction) -> Result<(), Error> {
-    let file = FileWriter::create(path.as_ref())?;
+    let file = FileWriter::create(path.as_ref())?.uncompressed();
     file.text("/", "format", FORMAT)?;
     file.integer("/", "format_version", 1)?;
     file.text("/", "title", &result.title)?;

@@ -14,14 +14,15 @@ use crate::error::Error;
 const COMPRESSED_FROM: usize = 1024;
 /// Chunk length along the first axis, a compromise between compression and partial reading.
 const CHUNK: usize = 4096;
-/// Fast levels of deflate compress noise as well as slow ones.
-const DEFLATE_LEVEL: u32 = 2;
+/// The fastest level of deflate compresses noise as well as slow ones, in less than half the time of level 2.
+const DEFLATE_LEVEL: u32 = 1;
 
 /// A file in the making.
 pub(crate) struct FileWriter {
     target: PathBuf,
     temporary: NamedTempFile,
     file: H5File,
+    compressed: bool,
 }
 
 /// A dataset to be written.
@@ -52,7 +53,12 @@ impl FileWriter {
         let temporary = builder.tempfile_in(folder).map_err(|error| failed(error.to_string()))?;
         let file = H5File::options().no_locking().create(temporary.path());
         let file = file.map_err(|error| failed(error.to_string()))?;
-        Ok(Self { target: target.to_path_buf(), temporary, file })
+        Ok(Self { target: target.to_path_buf(), temporary, file, compressed: true })
+    }
+
+    /// Writes arrays as they are from now on: compressing a result would take longer than computing it.
+    pub(crate) fn uncompressed(self) -> Self {
+        Self { compressed: false, ..self }
     }
 
     /// Makes a group (its parents must exist).
@@ -115,9 +121,10 @@ impl FileWriter {
 
     /// Closes the file and puts it in its place.
     pub(crate) fn finish(self) -> Result<(), Error> {
-        let Self { target, temporary, file } = self;
+        let Self { target, temporary, file, .. } = self;
         let failed = |reason: String| Error::Write { file: target.clone(), reason };
-        file.close().map_err(|error| failed(error.to_string()))?;
+        // Renamed when whole: a crash of the program leaves no half of it. Waiting for the disk would cost more than all else.
+        file.close_no_sync().map_err(|error| failed(error.to_string()))?;
         temporary.persist(&target).map_err(|error| failed(error.error.to_string()))?;
         Ok(())
     }
@@ -125,7 +132,7 @@ impl FileWriter {
     fn write_array(&self, place: &str, array: NewArray<'_>) -> Result<Written, Hdf5Error> {
         let (parent, name) = split(place);
         let builder = self.parent(parent)?.new_dataset::<f64>().shape(array.shape);
-        let dataset = if array.values.len() >= COMPRESSED_FROM {
+        let dataset = if self.compressed && array.values.len() >= COMPRESSED_FROM {
             let chunk: Vec<usize> = array
                 .shape
                 .iter()
