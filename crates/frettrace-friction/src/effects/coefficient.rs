@@ -2,6 +2,7 @@
 
 use super::hooks::Hook;
 use super::modified::{Circumstance, End, ModifiedLaw};
+use crate::bristle::stribeck;
 use crate::law::Scalar;
 
 /// Smallest friction coefficient a modification may leave.
@@ -10,14 +11,15 @@ const LEAST_FRICTION: f64 = 1e-6;
 impl<T: Scalar> ModifiedLaw<T> {
     /// Stribeck weight `w(x)`, `x = |v|/v_s`: 1 at rest, 0 at speed.
     pub(super) fn weight(&self, speed: T) -> T {
-        let x = speed / self.at(Hook::StribeckVelocity) + 1e-9;
         let delta =
             if self.on(Hook::StribeckExponent) { self.at(Hook::StribeckExponent) } else { T::from(2.0) };
+        if !self.on(Hook::RationalShare) {
+            let unit = [T::from(1.0), T::from(0.0), self.at(Hook::StribeckVelocity), delta];
+            return stribeck(speed, unit);
+        }
+        let x = speed / self.at(Hook::StribeckVelocity) + 1e-9;
         let power = (x.ln() * delta).exp();
         let decay = (-power).exp();
-        if !self.on(Hook::RationalShare) {
-            return decay;
-        }
         let rational = (power + 1.0).recip();
         decay + (rational - decay) * self.at(Hook::RationalShare)
     }
