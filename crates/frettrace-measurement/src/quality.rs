@@ -16,6 +16,9 @@ const SUBHARMONIC_GAIN: f64 = 1.5;
 /// Consecutive samples on the extreme value that make a plateau: a sampled sine has at most two equal highest samples.
 const PLATEAU: usize = 3;
 
+/// Share of the motion that harmonics beyond the band may leave: force kinks decay as 1/h², about 1e-3 at the band's edge.
+const FOLDED: f64 = 5e-3;
+
 /// State of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -202,11 +205,12 @@ fn subharmonic_order(run: &Run, base: f64, harmonic: &Split) -> Result<usize, Pr
     Ok(best)
 }
 
-/// Whether the residual is within twice the declared noise: a stated noise may well be wrong by a factor of two.
+/// Whether the residual is within twice the declared noise (a stated noise may well be wrong by a factor of two), or so small a
+/// share of the motion that harmonics beyond the band, which stick-slip makes and sampling folds back, explain it.
 fn periodic(sensors: &Sensors, split: &Split) -> Option<bool> {
     let declared = sensors.noise_std.as_deref()?;
     let noise = mean_square(declared.iter().map(|std| std * std)).sqrt();
-    (noise > 0.0).then(|| split.residual() < 2.0 * noise)
+    (noise > 0.0).then(|| split.residual() < (2.0 * noise).max(FOLDED * split.signal))
 }
 
 /// Relative change of the first harmonic, amplitude and phase, between the first and the last third.

@@ -77,3 +77,16 @@ fn a_failed_command_leaves_nothing() {
     assert_eq!(done.status.code(), Some(1));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "only the input is there");
 }
+
+/// The README shows what the demonstration prints, to the letter, and the demonstration finds what its rig file states: the
+/// only effect in `data/demo/rig.toml`, of which the measurement file says nothing.
+#[test]
+fn the_demonstration_finds_what_was_hidden() {
+    let output = frettrace(&["demo"]).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let (printed, readme) = (text(&output.stdout), include_str!("../../../README.md"));
+    let shown = readme.split("<!-- demo -->\n```text\n").nth(1).unwrap();
+    assert_eq!(printed, shown.split("```").next().unwrap());
+    let hidden = include_str!("../../../data/demo/rig.toml").split("id = \"").nth(1).unwrap();
+    assert!(printed.contains(hidden.split('"').next().unwrap()));
+}

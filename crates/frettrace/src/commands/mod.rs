@@ -1,6 +1,7 @@
 //! The commands, one file each: arguments, one call into the library, the answer.
 
 mod convert;
+mod demo;
 mod explain;
 mod identify;
 mod inspect;
@@ -29,20 +30,22 @@ pub struct Program {
 
 #[derive(Subcommand, Debug)]
 enum Command {
-    Convert(convert::Arguments),
-    Explain(explain::Arguments),
-    Identify(identify::Arguments),
+    Demo(demo::Arguments),
     Inspect(inspect::Arguments),
     Modes(modes::Arguments),
-    Plot(plot::Arguments),
-    Reconstruct(reconstruct::Arguments),
+    Convert(convert::Arguments),
     Simulate(simulate::Arguments),
+    Reconstruct(reconstruct::Arguments),
+    Identify(identify::Arguments),
+    Explain(explain::Arguments),
+    Plot(plot::Arguments),
 }
 
 /// Runs one command.
 pub fn run(program: Program) -> anyhow::Result<()> {
     let session = Session { json: program.json, progress: Progress::terminal() };
     match &program.command {
+        Command::Demo(_) => demo::run(&session),
         Command::Convert(arguments) => convert::run(arguments, &session),
         Command::Explain(arguments) => explain::run(arguments, &session),
         Command::Identify(arguments) => identify::run(arguments, &session),

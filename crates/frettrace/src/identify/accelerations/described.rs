@@ -34,7 +34,10 @@ pub(super) fn described((measurement, study): (&Measurement, &Study<'_>), joint:
     let fitted = [&study.training[..], &study.held_out[..]].concat();
     let left_out: Vec<usize> = (0..measurement.runs.len()).filter(|k| !fitted.contains(k)).collect();
     if !left_out.is_empty() {
-        notes.push(format!("runs that are not periodic or have no balanced solution take no part: {}", names(&left_out).join(", ")));
+        notes.push(format!(
+            "runs that are not periodic or have no balanced solution take no part: {}",
+            names(&left_out).join(", ")
+        ));
     }
     let held_out = HeldOut { error: summary(&study.held_out), runs: names(&study.held_out) };
     Identification {
