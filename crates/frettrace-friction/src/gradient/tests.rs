@@ -79,9 +79,10 @@ fn y_inner<D: DualNum<Primitive = f64>>() -> D::InnerDual {
 
 #[test]
 fn every_function_agrees_with_the_reference() {
-    let reference =
-        functions(DualSVec64::<2>::from_re(0.37).derivative(0), DualSVec64::<2>::from_re(1.52).derivative(1));
-    let ours = functions(Gradient::<2>::variable(0.37, 0), Gradient::<2>::variable(1.52, 1));
+    let (x, y) = (DualSVec64::<2>::from_re(0.37).derivative(0), DualSVec64::<2>::from_re(1.52).derivative(1));
+    let reference = [functions(x, y), more_functions(x, y)].concat();
+    let (x, y) = (Gradient::<2>::variable(0.37, 0), Gradient::<2>::variable(1.52, 1));
+    let ours = [functions(x, y), more_functions(x, y)].concat();
     for (index, (ours, reference)) in ours.iter().zip(&reference).enumerate() {
         // Two ways of rounding the same formula.
         assert!((ours.re - reference.re).abs() < 1e-14, "{index}: {ours} {reference}");
