@@ -14,6 +14,41 @@ pub fn widen_by_held<M: Model>(model: &M, fit: &Fit, identified: &mut Identified
     }
 }
 
+/// Widens the intervals to the covariance that the scatter between groups of residuals shows, where that is larger:
+/// `A⁻¹ (Σ_g s_g s_gᵀ) A⁻¹ · G/(G − 1)`, `s_g = J_gᵀ r_g`, `A = JᵀJ` (the sandwich of Huber and White by clusters).
+///
+/// Errors of a model pull the runs in different directions; noise alone pulls each of them by its own share of `A`.
+/// `sizes` are the numbers of consecutive residuals of the groups; fewer than three say nothing.
+pub fn widen_by_groups<M: Model>(model: &M, fit: &Fit, identified: &mut Identified, sizes: &[usize]) {
+    if sizes.len() < 3 {
+        return;
+    }
+    if let Some(covariance) = by_groups(model, fit, sizes) {
+        identified.widen(&covariance, model.parameters());
+    }
+}
+
+/// Covariance of the free coordinates by groups.
+fn by_groups<M: Model>(model: &M, fit: &Fit, sizes: &[usize]) -> Option<DMatrix<f64>> {
+    let rows = model.residual_count();
+    let mut residual = vec![0.0; rows];
+    let mut jacobian = DMatrix::zeros(rows, fit.values.len());
+    model.linearise(&fit.values, &fit.free, &mut model.memory(), (&mut residual, &mut jacobian)).ok()?;
+    let (tall, right) = stacked(model, &fit.values, &fit.free, (&jacobian, &residual));
+    let triangle = tall.clone().qr().r();
+    let mut sum = DMatrix::zeros(tall.ncols(), tall.ncols());
+    let mut row = 0;
+    for size in sizes {
+        let score = tall.rows(row, *size).tr_mul(&right.rows(row, *size));
+        let half = triangle.transpose().solve_lower_triangular(&score)?;
+        let shift = triangle.solve_upper_triangular(&half)?;
+        sum += &shift * shift.transpose();
+        row += size;
+    }
+    let count = sizes.len() as f64;
+    Some(sum * (count / (count - 1.0)))
+}
+
 /// Widens the intervals of all free parameters without a prior by a relative accuracy of the model itself.
 pub fn widen_to_accuracy<M: Model>(model: &M, identified: &mut Identified, accuracy: f64) {
     let count = identified.parameters.len();

@@ -7,12 +7,12 @@ use super::contact_record::comparison;
 use crate::case::case;
 use crate::results::{Identification, Step};
 use crate::{Progress, StudyError};
-use described::described;
+use described::{described, from_loops_alone};
 use frettrace_explain::{Case, ExplainError, Fitted, Study, histories};
 use frettrace_forward::accelerations::Setting;
 use frettrace_friction::effects::Hook;
 use frettrace_identify::Identified;
-use frettrace_identify::contact::{ContactHistory, ContactSettings, Family, identify_contact};
+use frettrace_identify::contact::{ContactFit, ContactHistory, ContactSettings, Family, identify_contact};
 use frettrace_identify::evidence::{Candidate, rank};
 use frettrace_measurement::Measurement;
 
@@ -32,6 +32,7 @@ struct Start {
     setting: Setting,
     steps: Vec<Step>,
     error: f64,
+    loops: ContactFit,
 }
 
 /// Identifies one law, or the best of several, on a measurement file.
@@ -45,11 +46,19 @@ pub(super) fn identify(
     progress.step();
     let mut notes = Vec::new();
     let mut joints = Vec::new();
+    let mut unsolved = None;
     for start in promising(starts(&declared, families, progress)?, &mut notes) {
-        joints.push(one_law(&declared, start, families.len() > 1)?);
+        let loops = start.loops.clone();
+        match one_law(&declared, start, families.len() > 1) {
+            Ok(joint) => joints.push(joint),
+            Err(error) => unsolved = unsolved.or(Some((loops, error))),
+        }
         progress.step();
     }
     progress.finish();
+    if let (true, Some((loops, error))) = (joints.is_empty(), unsolved) {
+        return Ok(from_loops_alone(&loops, &error, notes));
+    }
     let candidates = joints.iter().map(|joint| Candidate {
         name: joint.family,
         criterion: joint.identified.information_criterion(),
@@ -116,7 +125,7 @@ fn one_law(declared: &Case, start: Start, compared: bool) -> Result<Joint, Study
 /// Steps (i) to (iv): the law on motion and force of the contact recovered without a law.
 fn from_loops(family: Family, loops: &[ContactHistory], blank: &Setting) -> Result<Start, StudyError> {
     let used: Vec<&ContactHistory> = loops.iter().collect();
-    let settings = ContactSettings { starts: 8, profiles: false, ..ContactSettings::default() };
+    let settings = ContactSettings { starts: 6, profiles: false, ..ContactSettings::default() };
     let fit = identify_contact(family, &used, &settings)?;
     let mut law = family.law(&fit.law_values());
     if family.is_static() {
@@ -130,7 +139,14 @@ fn from_loops(family: Family, loops: &[ContactHistory], blank: &Setting) -> Resu
             law.set(hook, value.max(least));
         }
     }
+    let loops = fit.clone();
     let steps =
         fit.steps.into_iter().map(|s| Step { name: s.name, parameters: s.parameters, error: s.error });
-    Ok(Start { family, setting: Setting { law, ..blank.clone() }, steps: steps.collect(), error: fit.error })
+    Ok(Start {
+        family,
+        setting: Setting { law, ..blank.clone() },
+        steps: steps.collect(),
+        error: fit.error,
+        loops,
+    })
 }

@@ -2,12 +2,15 @@
 
 use super::super::estimates::{estimate, remark};
 use super::Joint;
+use crate::StudyError;
 use crate::results::{
-    ErrorSummary, Estimate, HeldOut, Identification, ModeEstimate, NoiseFloorSource, Provenance, Structure,
+    ErrorSummary, Estimate, HeldOut, Identification, ModeEstimate, NoiseFloorSource, Provenance, Step,
+    Structure,
 };
 use frettrace_explain::Study;
 use frettrace_forward::accelerations::Quantity;
 use frettrace_friction::effects::Hook;
+use frettrace_identify::contact::ContactFit;
 use frettrace_identify::{IdentifiedParameter, Parameter};
 use frettrace_measurement::Measurement;
 use std::collections::BTreeMap;
@@ -53,6 +56,33 @@ pub(super) fn described((measurement, study): (&Measurement, &Study<'_>), joint:
             training_runs: names(&study.training),
         },
         notes,
+    }
+}
+
+/// The result of the steps on the recovered loops where law and structure together have no solution.
+pub(super) fn from_loops_alone(
+    loops: &ContactFit,
+    error: &StudyError,
+    mut notes: Vec<String>,
+) -> Identification {
+    let parameters = loops.identified.parameters.iter();
+    notes.push(format!(
+        "law and structure together could not be fitted to the accelerations ({error}); the parameters are those of the \
+         recovered force and slip, whose errors are correlated"
+    ));
+    notes.extend(parameters.clone().filter_map(|p| remark(&p.name, p)));
+    let steps = loops.steps.iter().map(|s| Step {
+        name: s.name.clone(),
+        parameters: s.parameters.clone(),
+        error: s.error,
+    });
+    Identification {
+        law: loops.family.name().to_owned(),
+        parameters: parameters.map(|p| (p.name.clone(), estimate(p))).collect(),
+        steps: steps.collect(),
+        error: ErrorSummary { force: Some(loops.error), ..ErrorSummary::default() },
+        notes,
+        ..Identification::default()
     }
 }
 

@@ -6,16 +6,19 @@ use frettrace_forward::accelerations::{Quantity, Setting};
 use frettrace_friction::effects::Hook;
 use frettrace_identify::contact::Family;
 use frettrace_identify::{
-    FitSettings, Identified, IdentifySettings, Parameter, identify, starts, widen_by_held, widen_to_accuracy,
+    FitSettings, Identified, IdentifySettings, Parameter, identify, starts, widen_by_groups, widen_by_held,
+    widen_to_accuracy,
 };
 use rayon::prelude::*;
 
 /// Linearisations of a fit: a good start needs less than ten.
-const MOST_ITERATIONS: usize = 40;
+const MOST_ITERATIONS: usize = 30;
 /// χ² per residual above which the first start is not trusted and others are tried.
 const DOUBTFUL: f64 = 1.3;
 /// Starts tried then, a multiple of two threads.
-const MORE_STARTS: usize = 6;
+const MORE_STARTS: usize = 4;
+/// Linearisations of each of them: what is not near by then is not worth more.
+const FEW_ITERATIONS: usize = 12;
 /// No accelerometer and no load cell is calibrated better than to this share.
 const CALIBRATION: f64 = 3e-4;
 /// No two models of the same beam and contact agree better than to this share of a parameter.
@@ -67,7 +70,7 @@ fn fit_training(study: &Study<'_>, setting: Setting, compared: bool) -> Result<F
     let others: Vec<Fitted> = around(&setting, &unknowns)
         .into_par_iter()
         .chain(softer(&setting))
-        .filter_map(|start| study.fit(start, &unknowns, &memory, MOST_ITERATIONS).ok())
+        .filter_map(|start| study.fit(start, &unknowns, &memory, FEW_ITERATIONS).ok())
         .collect();
     let best = others.into_iter().min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost));
     match (first, best) {
@@ -154,7 +157,14 @@ pub(super) fn judged(study: &Study<'_>, fitted: &Fitted) -> Result<Identified, S
     let mut judged =
         if settings.profiled.contains(&true) { identify(&problem, &fit, &settings)? } else { plain };
     let held: Vec<(usize, f64)> = (count..count + sensors).map(|k| (k, CALIBRATION)).collect();
+    let sizes: Vec<usize> = study.training.iter().map(|run| residuals(study, *run)).collect();
+    widen_by_groups(&problem, &fit, &mut judged, &sizes);
     widen_by_held(&problem, &fit, &mut judged, &held);
     widen_to_accuracy(&problem, &mut judged, ACCURACY);
     Ok(judged)
+}
+
+/// Real residuals of a run: real and imaginary part of every line of every sensor.
+fn residuals(study: &Study<'_>, run: usize) -> usize {
+    study.model.runs[run].acceleration.iter().map(|lines| 2 * lines.len()).sum()
 }
