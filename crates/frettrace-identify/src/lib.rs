@@ -21,4 +21,4 @@ pub use identified::{
 };
 pub use model::{Model, NoSolution};
 pub use parameter::{Parameter, Prior, Transform};
-pub use systematic::{widen_by_groups, widen_by_held, widen_to_accuracy};
+pub use systematic::{Held, widen_by_groups, widen_by_held, widen_to_accuracy};

@@ -6,8 +6,8 @@ use frettrace_forward::accelerations::{Quantity, Setting};
 use frettrace_friction::effects::Hook;
 use frettrace_identify::contact::Family;
 use frettrace_identify::{
-    FitSettings, Identified, IdentifySettings, Parameter, identify, starts, widen_by_groups, widen_by_held,
-    widen_to_accuracy,
+    FitSettings, Held, Identified, IdentifySettings, Parameter, identify, starts, widen_by_groups,
+    widen_by_held, widen_to_accuracy,
 };
 use rayon::prelude::*;
 
@@ -19,10 +19,10 @@ const DOUBTFUL: f64 = 1.3;
 const MORE_STARTS: usize = 4;
 /// Linearisations of each of them: what is not near by then is not worth more.
 const FEW_ITERATIONS: usize = 12;
-/// No accelerometer and no load cell is calibrated better than to this share.
-const CALIBRATION: f64 = 3e-4;
+/// No accelerometer and no load cell keeps its calibration from run to run better than to this share.
+const CALIBRATION: f64 = 5e-4;
 /// No two models of the same beam and contact agree better than to this share of a parameter.
-const ACCURACY: f64 = 2e-4;
+const ACCURACY: f64 = 5e-4;
 
 /// Imbalance of a line that still counts as balanced where a run does not close to less, in standard deviations: it
 /// adds a tenth to the variance.
@@ -159,7 +159,7 @@ pub(super) fn judged(study: &Study<'_>, fitted: &Fitted) -> Result<Identified, S
     let held: Vec<(usize, f64)> = (count..count + sensors).map(|k| (k, CALIBRATION)).collect();
     let sizes: Vec<usize> = study.training.iter().map(|run| residuals(study, *run)).collect();
     widen_by_groups(&problem, &fit, &mut judged, &sizes);
-    widen_by_held(&problem, &fit, &mut judged, &held);
+    widen_by_held(&problem, &fit, &mut judged, &Held { parameters: &held, sizes: &sizes });
     widen_to_accuracy(&problem, &mut judged, ACCURACY);
     Ok(judged)
 }
