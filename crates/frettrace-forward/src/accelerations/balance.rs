@@ -99,7 +99,10 @@ const PORT_STEPS: usize = 5;
 
 /// Forces that the ports answer to the recovered motion.
 fn answer_ports(
-    e: &Evaluation<'_>, found: &Balance, (unknowns, step): (&mut [f64], usize), scratch: &mut GridScratch,
+    e: &Evaluation<'_>,
+    found: &Balance,
+    (unknowns, step): (&mut [f64], usize),
+    scratch: &mut GridScratch,
 ) {
     let order = e.order();
     let width = 2 * order + 1;

@@ -1,7 +1,7 @@
 //! The friction contact over one period: force on the phase grid, and its linearisation through the hysteresis.
 
-use frettrace_friction::{Gradient, Step};
 use frettrace_friction::effects::{Circumstance, Hook, ModifiedLaw, ModifiedState};
+use frettrace_friction::{Gradient, Step};
 
 /// Motion of the contact on the phase grid, one value a sample.
 #[derive(Clone, Debug, Default)]
@@ -140,10 +140,7 @@ impl Contact<'_> {
             };
             let (next, force) = law.advance(state, &step, &self.circumstance(k, samples));
             values = next.0.map(|s| s.re);
-            locals.push(Local {
-                state: std::array::from_fn(|i| next.0[i].slopes),
-                force: force.slopes,
-            });
+            locals.push(Local { state: std::array::from_fn(|i| next.0[i].slopes), force: force.slopes });
         }
     }
 }

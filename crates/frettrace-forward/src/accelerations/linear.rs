@@ -191,7 +191,11 @@ impl<'a> Tangent<'a> {
 
     /// A direction in which every row moves on one line only.
     fn single_line(
-        &self, direction: &mut Direction, tables: &Tables, line: usize, row: impl Fn(usize) -> Complex64,
+        &self,
+        direction: &mut Direction,
+        tables: &Tables,
+        line: usize,
+        row: impl Fn(usize) -> Complex64,
     ) {
         let e = self.evaluation;
         let turn = Complex64::new(0.0, line as f64 * e.lines.omega);

@@ -106,7 +106,17 @@ impl Structure {
         let residual = scaled_residual(&probe, &scale, &modal);
         let rigid = if setting.base.is_some() { rigid_participation(rig, &model) } else { Vec::new() };
         let mass = setting.mass.map(|m| m[0]);
-        Ok(Self { model, participation, residual, count, layout, mass, drift: setting.drift, contact_compliance: setting.contact_compliance, rigid })
+        Ok(Self {
+            model,
+            participation,
+            residual,
+            count,
+            layout,
+            mass,
+            drift: setting.drift,
+            contact_compliance: setting.contact_compliance,
+            rigid,
+        })
     }
 
     /// Takes over frequencies, damping, mass and drift; the points stay.

@@ -28,7 +28,7 @@ const RESIDUAL_FREQUENCY: f64 = 1.5;
 const RESIDUAL_DAMPING: f64 = 0.7;
 
 impl Structure {
-    /// Modes (rad/s, damping ratios below 1) with mass-normalised shapes, one row a port.
+    /// Modes (rad/s, damping ratios) with mass-normalised shapes, one row a port.
     ///
     /// # Errors
     /// [`ForwardError`] where sizes differ or a frequency is not positive.
