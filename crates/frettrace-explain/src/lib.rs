@@ -9,6 +9,7 @@ mod records;
 pub(crate) mod search;
 mod start;
 mod study;
+mod unknown_force;
 mod verdict;
 
 pub use case::{Case, DeclaredModes, Scales, positive, signed};

@@ -180,14 +180,25 @@ impl Search<'_> {
             .iter()
             .filter_map(|one| one.effects.last().map(|&effect| (effect, one.criterion)))
             .collect();
-        found.into_iter().next()
+        let best = found.first()?.criterion;
+        // A richer effect that contains a simpler one must earn its name against it.
+        let simpler = found.iter().position(|one| {
+            one.criterion < best + EVIDENCE
+                && one.complete() == found[0].complete()
+                && one.effects.last().is_some_and(|&e| contained(found[0].effects.last(), e))
+        });
+        Some(found.swap_remove(simpler.unwrap_or(0)))
     }
 
     fn structure_round(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {
         let structural: Vec<Unknown> = current.added.iter().filter(|u| !is_law(u)).cloned().collect();
         let setting = current.fitted.setting.clone();
         let plain = self.study.balance_base(&setting, &structural);
-        let candidates = self.study.balance_candidates(&setting, &structural, &current.effects);
+        let mut candidates = self.study.balance_candidates(&setting, &structural, &current.effects);
+        let best = candidates.first().map_or(f64::INFINITY, |c| c.reduced);
+        if best > BALANCE_CLOSED && setting.ports.is_empty() {
+            candidates.splice(0..0, self.study.force_candidates(&setting, best));
+        }
         self.tried.extend(candidates.iter().map(|c| Tried {
             id: ALL[c.effect].id(),
             error: f64::NAN,
@@ -196,7 +207,7 @@ impl Search<'_> {
         let best = candidates.first().map_or(f64::INFINITY, |c| c.criterion);
         let found = candidates
             .iter()
-            .take(2)
+            .take(3)
             .filter(|c| c.criterion < 3.0 * best)
             .filter_map(|candidate| self.with_structure(current, candidate).ok())
             .collect();
@@ -302,6 +313,22 @@ impl Search<'_> {
             .collect()
     }
 }
+
+/// Whether the effect `of` becomes the effect `simpler` at some value of its parameters.
+fn contained(of: Option<&usize>, simpler: usize) -> bool {
+    let of = of.map_or("", |&e| ALL[e].id());
+    CONTAINED.iter().any(|(rich, plain)| *rich == of && *plain == ALL[simpler].id())
+}
+
+/// Effects that contain others: a lag of no time is the curve it lags behind, and so on.
+const CONTAINED: [(&str, &str); 6] = [
+    ("friction.lag", "friction.stribeck"),
+    ("friction.film", "friction.stribeck"),
+    ("friction.film", "friction.lag"),
+    ("friction.ageing", "friction.stribeck"),
+    ("friction.presliding-damping", "friction.viscous"),
+    ("structure.second-support", "structure.cubic-stiffness"),
+];
 
 /// Position of an effect along the beam, where it has one.
 fn position(model: &Explained, effect: usize) -> Option<f64> {

@@ -14,8 +14,23 @@ use num_complex::Complex64;
 /// Only the friction force is recovered; a line whose force is smaller than three standard deviations starts from 0.
 pub(super) fn recover(e: &Evaluation<'_>) -> Vec<f64> {
     let order = e.order();
+    let width = 2 * order + 1;
     let zeros = vec![0.0; e.width()];
     let mut lines = vec![Complex64::ZERO; order + 1];
+    if e.layout.ports > 0 && e.layout.sensors > 2 {
+        let found = free_force(e);
+        let mut out = zeros;
+        let pairs = [(&found.contact, 0), (&found.force, width)];
+        for (forces, at) in pairs {
+            lines.fill(Complex64::ZERO);
+            for (h, line) in lines.iter_mut().enumerate().take(forces.len()) {
+                let known = found.force[h].norm() > 3.0 * found.deviation[h] || at == 0;
+                *line = if known { forces[h] } else { Complex64::ZERO };
+            }
+            store(&lines, &mut out[at..at + width]);
+        }
+        return out;
+    }
     for (h, force) in lines.iter_mut().enumerate().take(e.lines.order() + 1).skip(1) {
         let at = h as f64 * e.lines.omega;
         let (mut numerator, mut denominator) = (Complex64::ZERO, 0.0);
@@ -92,6 +107,103 @@ impl AccelerationModel {
             })
             .collect())
     }
+}
+
+impl AccelerationModel {
+    /// The balance of the selected runs beside a free force at the first port: contacts without any law.
+    ///
+    /// # Errors
+    /// [`AccelerationError::Beam`] where the structure cannot be built.
+    pub fn balance_beside_port(
+        &self, setting: &Setting, selected: &[usize],
+    ) -> Result<Vec<Balance>, AccelerationError> {
+        let structure = Structure::new(&self.rig, setting)?;
+        Ok(selected
+            .iter()
+            .map(|&run| {
+                let prepared = self.prepare(&structure, setting, run);
+                let evaluation = self.evaluation(structure.layout(), setting, &prepared, run);
+                let mut unknowns = recover(&evaluation);
+                unknowns[..2 * evaluation.order() + 1].fill(0.0);
+                balance(&evaluation, &unknowns)
+            })
+            .collect())
+    }
+}
+
+/// Two free forces on each line: at the contact and at the first port.
+#[derive(Clone, Debug, Default)]
+pub struct FreeForce {
+    /// Force at the port [N], one value a line; what resists positive motion is positive.
+    pub force: Vec<Complex64>,
+    /// Standard deviation of its real and imaginary part [N].
+    pub deviation: Vec<f64>,
+    /// Motion of the port [m].
+    pub motion: Vec<Complex64>,
+    /// Friction force beside it [N].
+    pub contact: Vec<Complex64>,
+    /// χ² of what both forces leave, and its degrees of freedom.
+    pub chi_squared: (f64, usize),
+}
+
+impl AccelerationModel {
+    /// What the accelerations say of a force at the place of the first port, whatever its law.
+    ///
+    /// # Errors
+    /// [`AccelerationError::Beam`] where the structure cannot be built.
+    pub fn free_force(&self, setting: &Setting, selected: &[usize]) -> Result<Vec<FreeForce>, AccelerationError> {
+        let structure = Structure::new(&self.rig, setting)?;
+        Ok(selected
+            .iter()
+            .map(|&run| {
+                let prepared = self.prepare(&structure, setting, run);
+                free_force(&self.evaluation(structure.layout(), setting, &prepared, run))
+            })
+            .collect())
+    }
+}
+
+fn free_force(e: &Evaluation<'_>) -> FreeForce {
+    let zeros = vec![0.0; e.width()];
+    let sensors = e.layout.sensors;
+    let mut out = FreeForce { chi_squared: (0.0, 0), ..FreeForce::default() };
+    for h in 0..=e.lines.order() {
+        let at = h as f64 * e.lines.omega;
+        // Normal equations of two complex unknowns.
+        let (mut aa, mut bb, mut ab) = (0.0, 0.0, Complex64::ZERO);
+        let (mut ay, mut by, mut yy) = (Complex64::ZERO, Complex64::ZERO, 0.0);
+        for s in 0..sensors {
+            let row = Layout::sensor_row(s);
+            let scale = Complex64::from(-at * at / e.lines.deviation[s][h]);
+            let (a, b) = (-e.block.at(h, row, 1) * scale, -e.block.at(h, row, 2) * scale);
+            let y = e.lines.acceleration[s][h] / e.lines.deviation[s][h] - e.displacement(&zeros, row, h) * scale;
+            aa += a.norm_sqr();
+            bb += b.norm_sqr();
+            ab += a.conj() * b;
+            ay += a.conj() * y;
+            by += b.conj() * y;
+            yy += y.norm_sqr();
+        }
+        let determinant = aa * bb - ab.norm_sqr();
+        if h == 0 || determinant <= 1e-12 * aa * bb {
+            out.force.push(Complex64::ZERO);
+            out.deviation.push(f64::INFINITY);
+            out.motion.push(Complex64::ZERO);
+            out.contact.push(Complex64::ZERO);
+            continue;
+        }
+        let contact = (ay * bb - ab * by) / determinant;
+        let force = (by * aa - ab.conj() * ay) / determinant;
+        out.chi_squared.0 += yy - (contact.conj() * ay).re - (force.conj() * by).re;
+        out.chi_squared.1 += 2 * sensors.saturating_sub(2);
+        let row = e.layout.port_row(0);
+        let moved = e.displacement(&zeros, row, h) - e.block.at(h, row, 1) * contact - e.block.at(h, row, 2) * force;
+        out.force.push(force);
+        out.contact.push(contact);
+        out.deviation.push((aa / determinant).sqrt());
+        out.motion.push(moved);
+    }
+    out
 }
 
 /// Steps in which the forces of ports and the recovered motion agree.

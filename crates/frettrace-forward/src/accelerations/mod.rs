@@ -14,7 +14,7 @@ mod run;
 mod setting;
 mod structure;
 
-pub use balance::Balance;
+pub use balance::{Balance, FreeForce};
 pub use model::{
     AccelerationError, AccelerationModel, ContactHistory, Linearised, Memory, Prediction, RunMemory,
 };
