@@ -141,7 +141,7 @@ pub(super) fn judged(study: &Study<'_>, fitted: &Fitted) -> Result<Identified, S
     let mut settings = IdentifySettings {
         profiled: vec![false; count + sensors],
         fit: FitSettings {
-            max_iterations: 12,
+            max_iterations: 4,
             relative_tolerance: 1e-5,
             absolute_tolerance: 0.05,
             ..FitSettings::default()
@@ -152,7 +152,7 @@ pub(super) fn judged(study: &Study<'_>, fitted: &Fitted) -> Result<Identified, S
     for (j, unknown) in fitted.unknowns.iter().enumerate() {
         let parameter = &plain.parameters[j];
         let share = parameter.std.map_or(f64::INFINITY, |s| s / parameter.value.abs());
-        settings.profiled[j] = matches!(unknown.quantity, Quantity::Law(_)) && (0.03..0.3).contains(&share);
+        settings.profiled[j] = matches!(unknown.quantity, Quantity::Law(_)) && (0.1..0.3).contains(&share);
     }
     let mut judged =
         if settings.profiled.contains(&true) { identify(&problem, &fit, &settings)? } else { plain };
