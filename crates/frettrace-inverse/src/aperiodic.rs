@@ -173,24 +173,7 @@ impl<'a> Whole<'a> {
         let unknowns = self.transients.count();
         let balances: Vec<LineBalance> =
             self.bins.par_iter().enumerate().map(|(k, bin)| self.balance(k, bin, &priors)).collect();
-        let (matrix, right) = balances
-            .par_iter()
-            .enumerate()
-            .fold(
-                || (vec![0.0; unknowns * unknowns], vec![0.0; unknowns]),
-                |mut sums, (k, balance)| {
-                    self.accumulate(k, balance, &mut sums);
-                    sums
-                },
-            )
-            .reduce(
-                || (vec![0.0; unknowns * unknowns], vec![0.0; unknowns]),
-                |mut a, b| {
-                    a.0.iter_mut().zip(&b.0).for_each(|(x, y)| *x += y);
-                    a.1.iter_mut().zip(&b.1).for_each(|(x, y)| *x += y);
-                    a
-                },
-            );
+        let (matrix, right) = self.normal_equations(&balances);
         let normal = Mat::from_fn(unknowns, unknowns, |i, k| {
             // Rounding of the largest entries may leave a decay that no sensor sees without curvature.
             matrix[i.min(k) * unknowns + i.max(k)] * if i == k { 1.0 + 1e-12 } else { 1.0 }
@@ -209,6 +192,22 @@ impl<'a> Whole<'a> {
             .map(|(k, balance)| balance.response(&self.unexplained(k, &amplitudes)))
             .collect();
         Round { priors, amplitudes, covariance, forces }
+    }
+
+    /// Normal matrix (upper triangle, row-major) and right side of the free decays.
+    fn normal_equations(&self, balances: &[LineBalance]) -> (Vec<f64>, Vec<f64>) {
+        let unknowns = self.transients.count();
+        let zero = || (vec![0.0; unknowns * unknowns], vec![0.0; unknowns]);
+        let add = |mut a: (Vec<f64>, Vec<f64>), b: (Vec<f64>, Vec<f64>)| {
+            a.0.iter_mut().zip(&b.0).for_each(|(x, y)| *x += y);
+            a.1.iter_mut().zip(&b.1).for_each(|(x, y)| *x += y);
+            a
+        };
+        let parts = balances.par_iter().enumerate().fold(zero, |mut sums, (k, balance)| {
+            self.accumulate(k, balance, &mut sums);
+            sums
+        });
+        parts.reduce(zero, add)
     }
 
     fn balance(&self, k: usize, bin: &Bin, priors: &[Vec<f64>]) -> LineBalance {

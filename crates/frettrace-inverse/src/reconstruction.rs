@@ -4,6 +4,7 @@ mod check;
 mod series;
 
 pub use series::Channel;
+use series::Times;
 
 use crate::analysis::{Form, RunLines, analyse};
 use crate::aperiodic;
@@ -183,8 +184,9 @@ fn finish(
     deviates: bool,
 ) -> RunReconstruction {
     let RunBalance { contact, residual, regularised } = balance;
-    let times = (lines.sampling_rate, lines.samples);
-    let series = |harmonics| Channel::from_harmonics(harmonics, times);
+    let frequency_std = if lines.form == Form::Aperiodic { 0.0 } else { lines.frequency.std };
+    let times = Times { rate: lines.sampling_rate, samples: lines.samples, frequency_std };
+    let series = |harmonics| Channel::from_harmonics(harmonics, &times);
     let acceleration_fit: Vec<Channel> = contact.acceleration_fit.iter().map(series).collect();
     let (acceleration_error, noise_floor) = series::errors(run, &acceleration_fit, &lines.noise_std);
     let mut notes = Vec::new();

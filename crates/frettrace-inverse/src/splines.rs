@@ -118,10 +118,10 @@ fn basis(knots: &[f64], phase: f64) -> (usize, [f64; 4]) {
     let mut values = [1.0, 0.0, 0.0, 0.0];
     for degree in 1..=3 {
         let mut saved = 0.0;
-        for r in 0..degree {
+        for (r, value) in values.iter_mut().enumerate().take(degree) {
             let (right, left) = (knot(r as isize + 1), knot(r as isize + 1 - degree as isize));
-            let part = values[r] / (right - left);
-            values[r] = saved + (right - phase) * part;
+            let part = *value / (right - left);
+            *value = saved + (right - phase) * part;
             saved = (phase - left) * part;
         }
         values[degree] = saved;
@@ -148,13 +148,16 @@ impl LineSystem {
         let (n, order) = (knots.len(), lines.order());
         let grid = Grid::new(order, samples).ok()?;
         let mut scratch = grid.scratch();
-        let mut columns = vec![vec![0.0; samples]; n];
-        for j in 0..samples {
-            let (interval, values) = basis(knots, TAU * j as f64 / samples as f64);
-            for (i, value) in values.iter().enumerate() {
-                columns[(interval + i) % n][j] = *value;
-            }
-        }
+        let places: Vec<_> = (0..samples).map(|j| basis(knots, TAU * j as f64 / samples as f64)).collect();
+        let columns: Vec<Vec<f64>> = (0..n)
+            .map(|i| {
+                let own = |(interval, values): &(usize, [f64; 4])| {
+                    let offset = (i + n - interval % n) % n;
+                    values.get(offset).copied().unwrap_or(0.0)
+                };
+                places.iter().map(own).collect()
+            })
+            .collect();
         let mut spectra = vec![vec![Complex64::ZERO; order + 1]; n];
         for (column, spectrum) in columns.iter().zip(&mut spectra) {
             grid.project(column, spectrum, &mut scratch);

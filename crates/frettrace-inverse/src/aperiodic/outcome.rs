@@ -6,6 +6,7 @@ use crate::contact::{BalanceResidual, ContactHarmonics, RunBalance};
 use crate::dynamics::Load;
 use frettrace_fourier::{Harmonics, spectrum};
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 /// Degree of the drift that is taken out. Two is what a force or slip can do over a record with an acceleration that does
 /// not change; what is faster is seen.
@@ -22,20 +23,27 @@ const FIRST_SENSOR: usize = 5;
 
 impl Whole<'_> {
     pub(super) fn outcome(&self, round: &Round) -> RunBalance {
+        let sensors = self.setting.dynamics.sensors();
+        let solved: Vec<(Row, Vec<Complex64>, bool)> = self
+            .bins
+            .par_iter()
+            .enumerate()
+            .map(|(k, bin)| {
+                let balance = self.balance(k, bin, &round.priors);
+                let left = balance.remainder(&self.unexplained(k, &round.amplitudes));
+                let led_by_prior = balance.covariance()[0].re > 0.5 * round.priors[0][k];
+                (self.row(k, &balance, round), left, led_by_prior)
+            })
+            .collect();
         let mut residual = BalanceResidual::default();
         let mut regularised = Vec::new();
-        let mut rows = Vec::with_capacity(self.bins.len());
-        for (k, bin) in self.bins.iter().enumerate() {
-            let balance = self.balance(k, bin, &round.priors);
-            let left = balance.remainder(&self.unexplained(k, &round.amplitudes));
+        let mut rows = Vec::with_capacity(solved.len());
+        for (k, (row, left, led_by_prior)) in solved.into_iter().enumerate() {
             residual.chi_square.push(2.0 * left.iter().map(Complex64::norm_sqr).sum::<f64>());
-            residual.freedom.push(2 * self.setting.dynamics.sensors());
-            residual.whitened.push(left[..self.setting.dynamics.sensors()].to_vec());
-            let kept = balance.covariance()[0].re / round.priors[0][k];
-            if kept > 0.5 {
-                regularised.push(k + 1);
-            }
-            rows.push(self.row(k, &balance, round));
+            residual.freedom.push(2 * sensors);
+            residual.whitened.push(left[..sensors].to_vec());
+            regularised.extend(led_by_prior.then_some(k + 1));
+            rows.push(row);
         }
         RunBalance { contact: self.contact(&rows), residual, regularised }
     }

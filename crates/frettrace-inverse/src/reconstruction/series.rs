@@ -3,6 +3,14 @@
 use crate::RunData;
 use frettrace_fourier::Harmonics;
 
+/// When samples are taken, and how well the base frequency is known (rad/s); 0 where lines are bins of the record.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Times {
+    pub(crate) rate: f64,
+    pub(crate) samples: usize,
+    pub(crate) frequency_std: f64,
+}
+
 /// A time series with its standard deviation, one value a sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Channel {
@@ -13,11 +21,23 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// Samples of harmonics; line errors are independent and without preferred phase, so the variance `½ Σ_h E|ε_h|²` is
-    /// the same at all times.
-    pub(crate) fn from_harmonics(harmonics: &Harmonics, (rate, samples): (f64, usize)) -> Self {
+    /// Samples of harmonics.
+    ///
+    /// Line errors are independent and without preferred phase: their variance `½ Σ_h E|ε_h|²` is the same at all times.
+    /// An error of the base frequency turns the signal about the middle of the record: `δx(t) = δΩ/Ω · (t − T/2) ẋ(t)`.
+    pub(crate) fn from_harmonics(harmonics: &Harmonics, times: &Times) -> Self {
+        let Times { rate, samples, frequency_std } = *times;
         let variance = 0.5 * harmonics.variance.iter().sum::<f64>();
-        Self { values: harmonics.sample(rate, samples), std: vec![variance.sqrt(); samples] }
+        let turn = if harmonics.base > 0.0 { frequency_std / harmonics.base } else { 0.0 };
+        let middle = 0.5 * (samples as f64 - 1.0) / rate;
+        let std = if turn > 0.0 {
+            let slope = harmonics.derivative().sample(rate, samples);
+            let drift = |j: usize| turn * (j as f64 / rate - middle) * slope[j];
+            (0..samples).map(|j| (variance + drift(j).powi(2)).sqrt()).collect()
+        } else {
+            vec![variance.sqrt(); samples]
+        };
+        Self { values: harmonics.sample(rate, samples), std }
     }
 
     /// The same, moved by a constant.

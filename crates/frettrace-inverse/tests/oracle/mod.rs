@@ -128,8 +128,8 @@ impl Oracle {
     pub fn march(&self, loads: &Loads<'_>, settling: f64, samples: usize) -> Record {
         let step = 1.0 / (RATE * SUBSTEPS as f64);
         let start = (settling * RATE) as usize;
-        let modes = self.frequency.len();
-        let (mut q, mut v) = (vec![0.0; modes], vec![0.0; modes]);
+        let steppers: Vec<Stepper> = self.frequency.iter().map(|w| Stepper::new(*w, step)).collect();
+        let mut state = vec![(0.0, 0.0); steppers.len()];
         let mut record = Record {
             force: Vec::new(),
             accelerations: vec![Vec::new(); self.sensors],
@@ -138,62 +138,80 @@ impl Oracle {
             velocity: Vec::new(),
             normal: Vec::new(),
         };
+        let mut now = loads.at(0.0);
         for j in 0..(start + samples) * SUBSTEPS {
-            let t = j as f64 * step;
             if j % SUBSTEPS == 0 && j / SUBSTEPS >= start {
-                self.record(loads, t, (&q, &v), &mut record);
+                self.record(now, &state, &mut record);
             }
-            for n in 0..modes {
-                let (from, to) = (self.modal_load(loads, t, n), self.modal_load(loads, t + step, n));
-                (q[n], v[n]) = advance((q[n], v[n]), (from, to), self.frequency[n], step);
+            let next = loads.at((j + 1) as f64 * step);
+            for (n, (stepper, at)) in steppers.iter().zip(&mut state).enumerate() {
+                *at = stepper.advance(*at, (self.modal_load(now, n), self.modal_load(next, n)));
             }
+            now = next;
         }
         record
     }
 
-    fn modal_load(&self, loads: &Loads<'_>, t: f64, n: usize) -> f64 {
+    fn modal_load(&self, loads: [f64; 4], n: usize) -> f64 {
         let row = |i: usize| self.rows[self.sensors + i][n];
-        row(0) * (loads.exciter)(t) - row(1) * (loads.friction)(t)
-            + row(2) * (loads.second)(t)
-            + row(3) * (loads.normal_deviation)(t)
+        row(0) * loads[0] - row(1) * loads[1] + row(2) * loads[2] + row(3) * loads[3]
     }
 
-    fn record(&self, loads: &Loads<'_>, t: f64, (q, v): (&[f64], &[f64]), record: &mut Record) {
+    fn record(&self, loads: [f64; 4], state: &[(f64, f64)], record: &mut Record) {
         let sum = |row: &[f64], x: &dyn Fn(usize) -> f64| -> f64 {
             row.iter().enumerate().map(|(n, r)| r * x(n)).sum()
         };
         let acceleration = |n: usize| {
-            let w = self.frequency[n];
-            self.modal_load(loads, t, n) - 2.0 * DAMPING * w * v[n] - w * w * q[n]
+            let (w, (q, v)) = (self.frequency[n], state[n]);
+            self.modal_load(loads, n) - 2.0 * DAMPING * w * v - w * w * q
         };
-        let accelerations: Vec<f64> = (0..q.len()).map(acceleration).collect();
+        let accelerations: Vec<f64> = (0..state.len()).map(acceleration).collect();
         for (s, channel) in record.accelerations.iter_mut().enumerate() {
             channel.push(sum(&self.rows[s], &|n| accelerations[n]));
         }
-        record.force.push((loads.exciter)(t));
-        record.friction.push((loads.friction)(t));
-        record.slip.push(sum(&self.rows[self.sensors + 1], &|n| q[n]));
-        record.velocity.push(sum(&self.rows[self.sensors + 1], &|n| v[n]));
-        let end = sum(&self.rows[self.sensors + 3], &|n| q[n]);
-        record.normal.push(-self.stiffness * end + (loads.normal_deviation)(t));
+        record.force.push(loads[0]);
+        record.friction.push(loads[1]);
+        record.slip.push(sum(&self.rows[self.sensors + 1], &|n| state[n].0));
+        record.velocity.push(sum(&self.rows[self.sensors + 1], &|n| state[n].1));
+        let end = sum(&self.rows[self.sensors + 3], &|n| state[n].0);
+        record.normal.push(-self.stiffness * end + loads[3]);
+    }
+}
+
+impl Loads<'_> {
+    fn at(&self, t: f64) -> [f64; 4] {
+        [(self.exciter)(t), (self.friction)(t), (self.second)(t), (self.normal_deviation)(t)]
     }
 }
 
 /// Exact step of `q̈ + 2ζω q̇ + ω² q = f` under a force that is linear in time.
-fn advance((q, v): (f64, f64), (from, to): (f64, f64), w: f64, step: f64) -> (f64, f64) {
-    let slope = (to - from) / step;
-    // Particular solution (f + s t)/ω² − 2ζ s/ω³, then the free decay of the rest.
-    let particular = |f: f64| (f / (w * w) - 2.0 * DAMPING * slope / w.powi(3), slope / (w * w));
-    let (p0, dp0) = particular(from);
-    let (p1, dp1) = particular(to);
-    let (a, b) = (q - p0, v - dp0);
-    let damped = w * (1.0 - DAMPING * DAMPING).sqrt();
-    let decay = (-DAMPING * w * step).exp();
-    let (sine, cosine) = (damped * step).sin_cos();
-    let c = (b + DAMPING * w * a) / damped;
-    let free = decay * (a * cosine + c * sine);
-    let free_velocity = -DAMPING * w * free + decay * damped * (c * cosine - a * sine);
-    (p1 + free, dp1 + free_velocity)
+struct Stepper {
+    frequency: f64,
+    step: f64,
+    damped: f64,
+    decay: f64,
+    sine: f64,
+    cosine: f64,
+}
+
+impl Stepper {
+    fn new(frequency: f64, step: f64) -> Self {
+        let damped = frequency * (1.0 - DAMPING * DAMPING).sqrt();
+        let (sine, cosine) = (damped * step).sin_cos();
+        Self { frequency, step, damped, decay: (-DAMPING * frequency * step).exp(), sine, cosine }
+    }
+
+    fn advance(&self, (q, v): (f64, f64), (from, to): (f64, f64)) -> (f64, f64) {
+        let (w, slope) = (self.frequency, (to - from) / self.step);
+        // Particular solution (f + s t)/ω² − 2ζ s/ω³, then the free decay of the rest.
+        let particular = |f: f64| f / (w * w) - 2.0 * DAMPING * slope / w.powi(3);
+        let velocity = slope / (w * w);
+        let (a, b) = (q - particular(from), v - velocity);
+        let c = (b + DAMPING * w * a) / self.damped;
+        let free = self.decay * (a * self.cosine + c * self.sine);
+        let swing = self.decay * self.damped * (c * self.cosine - a * self.sine);
+        (particular(to) + free, velocity + swing - DAMPING * w * free)
+    }
 }
 
 /// Relative root mean square of the difference, means removed.
@@ -209,5 +227,5 @@ pub fn error(found: &[f64], truth: &[f64]) -> f64 {
 
 /// A friction force with the harmonics of a saturating contact.
 pub fn saturating(frequency: f64, t: f64) -> f64 {
-    20.0 * (2.5 * (TAU * frequency * t - 0.4).cos()).tanh() + 1.5 * (2.0 * TAU * frequency * t).sin()
+    20.0 * (1.2 * (TAU * frequency * t - 0.4).cos()).tanh() + 1.5 * (2.0 * TAU * frequency * t).sin()
 }
