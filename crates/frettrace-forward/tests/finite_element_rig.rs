@@ -4,6 +4,8 @@
 //! experiment's own contact force: a static law gets the size of the friction force right and the beam wrong, the laws with
 //! a presliding spring get both right.
 
+#![allow(clippy::unwrap_used, reason = "a test")]
+
 use std::f64::consts::TAU;
 
 use frettrace_beam::{Dof, FiniteElements, UniformBeam};

@@ -3,6 +3,8 @@
 //! Expected values are another laboratory's time march and converged harmonic balance (order 99) of the same problems: the
 //! root mean square of the tip's displacement (m). They differ between themselves by up to 3e-6.
 
+#![allow(clippy::unwrap_used, reason = "a test")]
+
 #[path = "peers/problems.rs"]
 #[expect(dead_code, reason = "the peers' test uses the rest")]
 mod problems;
