@@ -1,6 +1,7 @@
 //! Uncertainty is a promise: over many rigs of other sensors, noise, levels and modes that are off as much as declared,
 //! the truth lies inside the stated band. Over 200 rigs the bands of 95 % hold 85 % of the samples of the friction force,
 //! 84 % of the slip and 82 % of its velocity: they are too narrow by a third. The target, 90 to 98 %, is not met yet.
+#![allow(clippy::unwrap_used)] // helpers of tests may fail as tests do
 
 mod oracle;
 
