@@ -37,7 +37,7 @@ struct Answer<'a> {
 
 pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
     let (Some(rig), Some(output)) = (&arguments.rig, &arguments.output) else {
-        let guesses = arguments.files.iter().map(|file| frettrace_measurement::guess(file));
+        let guesses = arguments.files.iter().map(frettrace_measurement::guess);
         let toml = guesses.collect::<Result<Vec<_>, _>>()?.join("\n");
         return session.answer(&Guess { toml: toml.clone() }, &toml);
     };
