@@ -14,7 +14,7 @@ pub struct Held<'a> {
 }
 
 /// Widens the intervals of `identified` by parameters of the model that were held though they are not exactly known:
-/// `C += Σ_s Σ_g d d ᵀ`, `d = −(JᵀJ)⁻¹J_gᵀ ∂r_g/∂p_s · std_s`.
+/// `C += Σ_s Σ_g d dᵀ`, `d = −(JᵀJ)⁻¹J_gᵀ ∂r_g/∂p_s · std_s`.
 ///
 /// A calibration of a sensor, say, is the same for all lines of a run: no number of residuals averages it out.
 pub fn widen_by_held<M: Model>(model: &M, fit: &Fit, identified: &mut Identified, held: &Held<'_>) {
