@@ -4,7 +4,7 @@ use super::{ContactFit, ContactModel, Family};
 use crate::evidence::{Candidate, Ranking, rank};
 
 /// Ranks laws fitted to the same histories by `n_eff ln(RSS/n) + k ln n_eff`, the Bayesian information criterion where
-/// the size of the residual is not known beforehand; `floor` [N] bounds the residual from below, since what is less
+/// the size of the residual is not known beforehand; `floor` (N) bounds the residual from below, since what is less
 /// than noise is no merit.
 #[must_use]
 pub fn compare(fits: &[(ContactFit, ContactModel<'_>)], held_out: &[f64], floor: f64) -> Ranking<Family> {

@@ -110,7 +110,7 @@ fn most_friction(family: Family, values: &[f64]) -> f64 {
     value("mu_s").max(value("mu_k"))
 }
 
-/// Forces along a history [N].
+/// Forces along a history (N).
 pub(super) fn forces(
     (family, values): (Family, &[f64]),
     history: &ContactHistory,

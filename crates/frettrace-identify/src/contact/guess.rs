@@ -10,7 +10,7 @@ pub struct Guess {
     pub mu: f64,
     /// Largest sliding speed [m/s].
     pub speed: f64,
-    /// Normal force [N].
+    /// Normal force (N).
     pub normal: f64,
 }
 

@@ -17,7 +17,7 @@ pub struct NoiseDraw {
     pub slip: Vec<f64>,
     /// Error of the slip velocity, `n` samples.
     pub velocity: Vec<f64>,
-    /// Error of the force [N], `n` samples.
+    /// Error of the force (N), `n` samples.
     pub force: Vec<f64>,
 }
 
@@ -34,15 +34,15 @@ pub struct ContactHistory {
     pub velocity: Vec<f64>,
     /// Slip acceleration, where a mass moves with the contact.
     pub acceleration: Option<Vec<f64>>,
-    /// Normal force [N]; 1 throughout where it is unknown, so that coefficients become forces.
+    /// Normal force (N); 1 throughout where it is unknown, so that coefficients become forces.
     pub normal: Vec<f64>,
-    /// Force [N].
+    /// Force (N).
     pub force: Vec<f64>,
     /// Whether it repeats.
     pub closure: Closure,
     /// Whether the mean of the force was measured (accelerometers cannot see it).
     pub mean_is_seen: bool,
-    /// Standard deviation of the noise of a force sample [N].
+    /// Standard deviation of the noise of a force sample (N).
     pub force_std: f64,
     /// Draws of the noise of slip and force with its true correlation; none where the slip is exact.
     pub draws: Vec<NoiseDraw>,
@@ -76,7 +76,7 @@ impl ContactHistory {
         self.velocity.iter().fold(0.0, |m, v| v.abs().max(m))
     }
 
-    /// Mean normal force [N].
+    /// Mean normal force (N).
     #[must_use]
     pub fn mean_normal(&self) -> f64 {
         self.normal.iter().sum::<f64>() / self.len().max(1) as f64

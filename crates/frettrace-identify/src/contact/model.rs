@@ -10,7 +10,7 @@ pub struct Extras {
     pub known_mass: Option<f64>,
     /// Whether the moving mass is wanted.
     pub wanted_mass: bool,
-    /// Whether the force may have a constant offset: its largest size [N].
+    /// Whether the force may have a constant offset: its largest size (N).
     pub offset: Option<f64>,
 }
 

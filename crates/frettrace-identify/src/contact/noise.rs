@@ -48,7 +48,7 @@ fn variance(model: &ContactModel<'_>, index: usize, values: &[f64]) -> Vec<f64> 
     sum.iter().map(|s| s * share).collect()
 }
 
-/// For each draw, how far it moves predicted minus measured force [N].
+/// For each draw, how far it moves predicted minus measured force (N).
 fn misses<'m>(
     model: &'m ContactModel<'_>,
     index: usize,

@@ -19,13 +19,13 @@ pub struct RawRun<'a> {
     pub velocity: Option<&'a [f64]>,
     /// Slip acceleration, where measured.
     pub acceleration: Option<&'a [f64]>,
-    /// Normal force [N], where known.
+    /// Normal force (N), where known.
     pub normal: Option<&'a [f64]>,
-    /// Preload [N], where known.
+    /// Preload (N), where known.
     pub preload: Option<f64>,
-    /// Force [N].
+    /// Force (N).
     pub force: &'a [f64],
-    /// Standard deviation of the force's noise [N], where given.
+    /// Standard deviation of the force's noise (N), where given.
     pub force_std: Option<f64>,
 }
 
@@ -47,7 +47,7 @@ pub struct PreparedRun {
     pub history: ContactHistory,
     /// Cycles of the slip, as ranges of samples.
     pub cycles: Vec<Range<usize>>,
-    /// Standard deviation of the force about what repeats [N]: what a perfect model leaves.
+    /// Standard deviation of the force about what repeats (N): what a perfect model leaves.
     pub floor: f64,
     /// Where the floor comes from.
     pub floor_source: FloorSource,
