@@ -4,11 +4,11 @@ use super::{ContactHistory, Family};
 /// Values a fit of any law may start from, read off the loops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Guess {
-    /// Presliding stiffness over normal force [1/m].
+    /// Presliding stiffness over normal force (1/m).
     pub sigma0: f64,
     /// Friction coefficient (friction force where the normal force is not known).
     pub mu: f64,
-    /// Largest sliding speed [m/s].
+    /// Largest sliding speed (m/s).
     pub speed: f64,
     /// Normal force (N).
     pub normal: f64,

@@ -1,9 +1,9 @@
 /// Whether a history repeats.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Closure {
-    /// One period: after the last sample comes the first, at this time after the first [s].
+    /// One period: after the last sample comes the first, at this time after the first (s).
     Periodic {
-        /// Period [s].
+        /// Period (s).
         period: f64,
     },
     /// A record with a beginning and an end.
@@ -26,11 +26,11 @@ pub struct NoiseDraw {
 pub struct ContactHistory {
     /// Name of the run.
     pub label: String,
-    /// Times [s], ascending, `n` samples.
+    /// Times (s), ascending, `n` samples.
     pub time: Vec<f64>,
-    /// Slip [m or rad].
+    /// Slip (m or rad).
     pub slip: Vec<f64>,
-    /// Slip velocity [m/s or rad/s].
+    /// Slip velocity (m/s or rad/s).
     pub velocity: Vec<f64>,
     /// Slip acceleration, where a mass moves with the contact.
     pub acceleration: Option<Vec<f64>>,

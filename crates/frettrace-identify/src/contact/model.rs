@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 /// What is fitted beside the law.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Extras {
-    /// Mass that moves with the contact [kg]: a known one adds `m·a` to the force.
+    /// Mass that moves with the contact (kg): a known one adds `m·a` to the force.
     pub known_mass: Option<f64>,
     /// Whether the moving mass is wanted.
     pub wanted_mass: bool,

@@ -11,9 +11,9 @@ use std::ops::Range;
 pub struct RawRun<'a> {
     /// Name.
     pub label: &'a str,
-    /// Times [s].
+    /// Times (s).
     pub time: &'a [f64],
-    /// Slip [m or rad].
+    /// Slip (m or rad).
     pub slip: &'a [f64],
     /// Slip velocity, where measured.
     pub velocity: Option<&'a [f64]>,
