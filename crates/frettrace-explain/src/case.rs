@@ -1,8 +1,10 @@
 //! What is declared: the rig, its runs, and how well its values are known.
 
-use crate::{RunRecord, Unknown};
+use crate::{ExplainError, RunRecord, Unknown};
 use frettrace_beam::{ModalModel, ModalOptions};
-use frettrace_forward::accelerations::{Quantity, Rig, SensorSetting, Setting};
+use frettrace_forward::accelerations::{
+    AccelerationModel, COEFFICIENTS, Port, PortLaw, PortPlace, Quantity, Rig, SensorSetting, Setting,
+};
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 use frettrace_identify::contact::Family;
 use frettrace_identify::{Parameter, Prior, Transform};
@@ -105,6 +107,25 @@ impl Case {
         }
     }
 
+    /// Takes a declared second support into the rig: its force is recovered from the accelerations, without a law, and is an
+    /// input of every prediction.
+    ///
+    /// # Errors
+    /// [`ExplainError::Model`] where the rig cannot be modelled.
+    pub fn know_support(&mut self, position: f64) -> Result<(), ExplainError> {
+        let mut setting = self.setting(ModifiedLaw::dahl(1.0, 1.0));
+        let place = PortPlace::At(position);
+        setting.ports.push(Port { place, law: PortLaw::Polynomial, coefficients: [0.0; COEFFICIENTS] });
+        let lines = self.records.iter().map(|r| r.lines.clone()).collect();
+        let model = AccelerationModel::new(self.rig.clone(), lines)?;
+        let runs: Vec<usize> = (0..self.records.len()).collect();
+        for (record, found) in self.records.iter_mut().zip(model.free_force(&setting, &runs)?) {
+            record.lines.known_force = found.force;
+        }
+        self.rig.known_support = Some(position);
+        Ok(())
+    }
+
     /// What the declared model leaves open: the structure within its standard deviations, and the law.
     #[must_use]
     pub fn unknowns(&self) -> Vec<Unknown> {
@@ -151,6 +172,13 @@ impl Case {
             None => (frettrace_beam::Dof::displacement(end), 1.0),
         };
         model.residual(dof, dof).abs() * lever * lever
+    }
+
+    /// Whether a natural frequency is known to no better than 5e-5: then a tenth of a resonance's width, and a law fitted on
+    /// the declared values may be far off through no fault of its own.
+    pub(crate) fn loosely_known(&self) -> bool {
+        let modes = &self.modes;
+        modes.frequency.iter().enumerate().any(|(n, f)| modes.frequency_std.get(n).is_none_or(|s| *s > 5e-5 * f))
     }
 
     fn law_unknowns(&self) -> Vec<Unknown> {

@@ -77,13 +77,42 @@ impl Study<'_> {
         };
         let few: Vec<Unknown> = unknowns.iter().filter(|u| !structural(u.quantity)).cloned().collect();
         let first = self.fit(setting, &few, &self.model.memory(), iterations.min(6))?;
-        let near = self.error(&first, &self.training).ratio() < 6.0;
+        // Far from the data the structure would only be bent to the law's faults, unless it is known loosely itself.
+        let near = self.error(&first, &self.training).ratio() < 6.0 || self.case.loosely_known();
         let fitted = if near {
             self.fit(first.setting.clone(), unknowns, &first.memory, iterations)?
         } else {
             first
         };
         Ok(self.judged(fitted, effects, added))
+    }
+
+    /// The same model fitted further, with everything free.
+    pub(crate) fn polished(&self, from: &Explained) -> Result<Explained, ExplainError> {
+        let unknowns = merge(&self.case.unknowns(), &from.added);
+        let fitted = self.fit(from.fitted.setting.clone(), &unknowns, &from.fitted.memory, 30)?;
+        let mut found = self.judged(fitted, from.effects.clone(), from.added.clone());
+        found.sensors.clone_from(&from.sensors);
+        Ok(found)
+    }
+
+    /// The same model without what its last effect brought to the law, fitted again; `None` where that effect is not of the
+    /// law.
+    pub(crate) fn without_last(&self, from: &Explained, before: &Explained) -> Option<Explained> {
+        let brought = from.added.iter().filter(|u| !before.added.iter().any(|b| b.quantity == u.quantity));
+        let mut reduced = from.clone();
+        for unknown in brought {
+            let Quantity::Law(hook) = unknown.quantity else { continue };
+            if self.case.unknowns().iter().any(|u| u.quantity == unknown.quantity) {
+                continue;
+            }
+            reduced.fitted.setting.law.clear(hook);
+        }
+        reduced.added = before.added.clone();
+        reduced.effects.pop();
+        reduced.sensors.pop();
+        let of_law = from.fitted.setting.ports.len() == before.fitted.setting.ports.len();
+        if of_law { self.polished(&reduced).ok() } else { None }
     }
 
     /// A model that was not fitted: the declared values as they are.
@@ -193,7 +222,7 @@ impl Study<'_> {
             .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut found: Vec<ContactCandidate> =
-            order.par_iter().take(LOOK).filter_map(|(_, k)| tried(&forms[*k], 25)).collect();
+            order.par_iter().take(LOOK).filter_map(|(_, k)| tried(&forms[*k], 40)).collect();
         found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
         let mut best: Vec<ContactCandidate> = Vec::new();
         for candidate in found {

@@ -113,6 +113,13 @@ impl Search<'_> {
     fn baseline(&self, mut setting: Setting) -> Result<Explained, ExplainError> {
         let unknowns = self.study.case.unknowns();
         let law: Vec<Unknown> = unknowns.iter().filter(|u| is_law(u)).cloned().collect();
+        if self.study.case.loosely_known() {
+            // Modes that are known loosely are calibrated on the balance before any force is recovered.
+            let calibrated = self.study.balance_base(&setting, &[]);
+            if calibrated.reduced.is_finite() {
+                setting = calibrated.setting;
+            }
+        }
         let recovered = self.study.recovered(&setting)?;
         if let Some(base) = self.study.contact_base(&recovered, &setting, &law) {
             setting.law = base.law;
@@ -134,15 +141,37 @@ impl Search<'_> {
             } else {
                 self.contact_round(&current)?
             };
+            let before = current.clone();
             match found {
                 Some(better) if better.criterion + EVIDENCE < current.criterion => current = better,
                 _ => break,
+            }
+            if !current.complete() {
+                // A second effect may not be named for what a longer fit would have done.
+                current = self.further(current);
+            } else if current.effects.len() > 1 {
+                current = self.pruned(current, &before);
             }
             if current.complete() {
                 break;
             }
         }
         Ok(current)
+    }
+
+    fn further(&self, current: Explained) -> Explained {
+        match self.study.polished(&current) {
+            Ok(better) if better.criterion < current.criterion => better,
+            _ => current,
+        }
+    }
+
+    /// Without the last effect where the model is complete without it too.
+    fn pruned(&self, current: Explained, before: &Explained) -> Explained {
+        match self.study.without_last(&current, before) {
+            Some(plain) if plain.complete() && plain.criterion < current.criterion + EVIDENCE => plain,
+            _ => current,
+        }
     }
 
     fn contact_round(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {
