@@ -90,7 +90,11 @@ impl Model for BalanceProblem<'_> {
     }
 
     fn linearise(
-        &self, values: &[f64], free: &[bool], memory: &mut (), target: (&mut [f64], &mut DMatrix<f64>),
+        &self,
+        values: &[f64],
+        free: &[bool],
+        memory: &mut (),
+        target: (&mut [f64], &mut DMatrix<f64>),
     ) -> Result<(), NoSolution> {
         let (residual, jacobian) = target;
         self.residual(values, memory, residual)?;
@@ -115,7 +119,9 @@ impl Model for BalanceProblem<'_> {
 impl Study<'_> {
     /// χ² of the balance over its degrees of freedom: all training runs, and the worst of them.
     pub(crate) fn balance_reduced(&self, setting: &Setting) -> (f64, f64) {
-        let Ok(balances) = self.model.balance(setting, &self.training) else { return (f64::INFINITY, f64::INFINITY) };
+        let Ok(balances) = self.model.balance(setting, &self.training) else {
+            return (f64::INFINITY, f64::INFINITY);
+        };
         let mut sum = (0.0, 0.0);
         let mut worst: f64 = 0.0;
         for balance in &balances {
@@ -137,9 +143,10 @@ impl Study<'_> {
                 }
                 let Ok(model) = AccelerationModel::new(self.model.rig.clone(), runs) else { return false };
                 let Ok(balances) = model.balance(setting, &self.training) else { return false };
-                let (chi, freedom) = balances.iter().map(Balance::chi_squared).fold((0.0, 0), |sum, one| {
-                    (sum.0 + one.0, sum.1 + one.1)
-                });
+                let (chi, freedom) = balances
+                    .iter()
+                    .map(Balance::chi_squared)
+                    .fold((0.0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
                 let left = freedom as f64 * (sensors - 2) as f64 / (sensors - 1) as f64;
                 chi < limit * left
             })
@@ -159,7 +166,11 @@ impl Study<'_> {
     }
 
     fn balance_fit(
-        &self, effect: usize, form: &StructureForm, unknowns: &[Unknown], most: usize,
+        &self,
+        effect: usize,
+        form: &StructureForm,
+        unknowns: &[Unknown],
+        most: usize,
     ) -> BalanceCandidate {
         let problem = BalanceProblem::new(self, form.setting.clone(), unknowns);
         let count = problem.residual_count() as f64;
@@ -188,7 +199,10 @@ impl Study<'_> {
 
     /// Every effect outside the friction law on the balance, best first, one form each.
     pub(crate) fn balance_candidates(
-        &self, setting: &Setting, added: &[Unknown], taken: &[usize],
+        &self,
+        setting: &Setting,
+        added: &[Unknown],
+        taken: &[usize],
     ) -> Vec<BalanceCandidate> {
         let forms: Vec<(usize, StructureForm)> = ALL
             .iter()

@@ -178,7 +178,11 @@ impl Case {
     /// the declared values may be far off through no fault of its own.
     pub(crate) fn loosely_known(&self) -> bool {
         let modes = &self.modes;
-        modes.frequency.iter().enumerate().any(|(n, f)| modes.frequency_std.get(n).is_none_or(|s| *s > 5e-5 * f))
+        modes
+            .frequency
+            .iter()
+            .enumerate()
+            .any(|(n, f)| modes.frequency_std.get(n).is_none_or(|s| *s > 5e-5 * f))
     }
 
     fn law_unknowns(&self) -> Vec<Unknown> {
@@ -187,7 +191,12 @@ impl Case {
             unknowns.push(positive(Hook::StribeckRise, 1e-5, 20.0));
             unknowns.push(positive(Hook::StribeckVelocity, 1e-7, 100.0));
             unknowns.push(positive(Hook::StribeckExponent, 0.3, 6.0));
-            unknowns.push(signed(Quantity::Law(Hook::Viscous), ("sigma2", "N·s/m"), 1.0, (0.0, f64::INFINITY)));
+            unknowns.push(signed(
+                Quantity::Law(Hook::Viscous),
+                ("sigma2", "N·s/m"),
+                1.0,
+                (0.0, f64::INFINITY),
+            ));
         }
         if matches!(self.law, Family::LuGre | Family::Hybrid) {
             unknowns.push(signed(Quantity::Law(Hook::Sigma1), ("sigma1", "s/m"), 1.0, (0.0, f64::INFINITY)));

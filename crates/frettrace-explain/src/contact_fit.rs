@@ -33,7 +33,10 @@ const RELATIVE_ACCURACY: f64 = 3e-4;
 
 impl Recovered {
     pub fn new(
-        model: &AccelerationModel, (run, subharmonic): (usize, usize), balance: &Balance, stiffness: f64,
+        model: &AccelerationModel,
+        (run, subharmonic): (usize, usize),
+        balance: &Balance,
+        stiffness: f64,
     ) -> Result<Self, GridError> {
         let lines = &model.runs[run];
         let order = lines.order().min(LINES * subharmonic);
@@ -61,7 +64,8 @@ impl Recovered {
         let deviation = (0..=order)
             .map(|h| {
                 let answer = 1.0 + balance.slip_gain[h] * stiffness;
-                (balance.force_deviation[h] * answer.norm()).hypot(RELATIVE_ACCURACY * peak / (1.0 + h as f64))
+                (balance.force_deviation[h] * answer.norm())
+                    .hypot(RELATIVE_ACCURACY * peak / (1.0 + h as f64))
             })
             .collect();
         let dt = std::f64::consts::TAU / lines.omega / samples as f64;
@@ -83,7 +87,8 @@ impl Recovered {
     fn circumstance(&self, k: usize, modulation: Option<usize>) -> Circumstance {
         let samples = self.slip.len();
         let phase = |k: usize, order: usize| {
-            let angle = std::f64::consts::TAU * ((order * self.fundamental * k) % samples) as f64 / samples as f64;
+            let angle =
+                std::f64::consts::TAU * ((order * self.fundamental * k) % samples) as f64 / samples as f64;
             [angle.cos(), angle.sin()]
         };
         Circumstance {
@@ -199,7 +204,11 @@ impl Model for ContactProblem<'_> {
     }
 
     fn linearise(
-        &self, values: &[f64], free: &[bool], memory: &mut (), target: (&mut [f64], &mut DMatrix<f64>),
+        &self,
+        values: &[f64],
+        free: &[bool],
+        memory: &mut (),
+        target: (&mut [f64], &mut DMatrix<f64>),
     ) -> Result<(), NoSolution> {
         let (residual, jacobian) = target;
         self.residual(values, memory, residual)?;
@@ -226,8 +235,10 @@ impl Model for ContactProblem<'_> {
 
 /// Recovers the contact of the selected runs.
 pub(crate) fn recover(
-    model: &AccelerationModel, setting: &frettrace_forward::accelerations::Setting,
-    selected: &[(usize, usize)], sigma0: f64,
+    model: &AccelerationModel,
+    setting: &frettrace_forward::accelerations::Setting,
+    selected: &[(usize, usize)],
+    sigma0: f64,
 ) -> Result<Vec<Recovered>, AccelerationError> {
     let runs: Vec<usize> = selected.iter().map(|s| s.0).collect();
     let balances = if setting.ports.is_empty() {

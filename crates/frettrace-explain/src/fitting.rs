@@ -1,6 +1,8 @@
 //! The acceleration-level model as something to fit.
 
-use frettrace_forward::accelerations::{AccelerationModel, Linearised, Memory, Prediction, Quantity, Setting};
+use frettrace_forward::accelerations::{
+    AccelerationModel, Linearised, Memory, Prediction, Quantity, Setting,
+};
 use frettrace_identify::{Model, NoSolution, Parameter};
 use nalgebra::DMatrix;
 use num_complex::Complex64;
@@ -29,7 +31,11 @@ impl<'a> AccelerationFit<'a> {
     /// A fit of `unknowns` around `setting` to the runs of the given indices; `warm` holds solutions near it.
     #[must_use]
     pub fn new(
-        model: &'a AccelerationModel, setting: Setting, unknowns: &[Unknown], runs: Vec<usize>, warm: Memory,
+        model: &'a AccelerationModel,
+        setting: Setting,
+        unknowns: &[Unknown],
+        runs: Vec<usize>,
+        warm: Memory,
     ) -> Self {
         Self {
             model,
@@ -114,14 +120,17 @@ impl Model for AccelerationFit<'_> {
     }
 
     fn residual(&self, values: &[f64], memory: &mut Memory, residual: &mut [f64]) -> Result<(), NoSolution> {
-        let predicted =
-            self.model.predict(&self.at(values), &self.runs, memory).map_err(|_| NoSolution)?;
+        let predicted = self.model.predict(&self.at(values), &self.runs, memory).map_err(|_| NoSolution)?;
         self.whiten(&predicted, residual);
         Ok(())
     }
 
     fn linearise(
-        &self, values: &[f64], free: &[bool], memory: &mut Memory, target: (&mut [f64], &mut DMatrix<f64>),
+        &self,
+        values: &[f64],
+        free: &[bool],
+        memory: &mut Memory,
+        target: (&mut [f64], &mut DMatrix<f64>),
     ) -> Result<(), NoSolution> {
         let (residual, jacobian) = target;
         let chosen: Vec<usize> = (0..values.len()).filter(|&j| free[j]).collect();

@@ -16,6 +16,6 @@ pub use case::{Case, DeclaredModes, Scales, positive, signed};
 pub use fitting::{AccelerationFit, Unknown};
 pub use records::{RunRecord, RunSamples};
 pub use search::Explained;
-pub use verdict::{Named, Outcome, Place, Tried, Verdict, explain};
 pub use start::histories;
 pub use study::{ExplainError, Fitted, RunError, Study};
+pub use verdict::{Named, Outcome, Place, Tried, Verdict, explain};

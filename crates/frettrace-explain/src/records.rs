@@ -94,7 +94,9 @@ impl RunRecord {
     }
 
     fn assemble(
-        run: &RunSamples<'_>, (channels, force): (Vec<Projected>, Projected), noise: Vec<f64>,
+        run: &RunSamples<'_>,
+        (channels, force): (Vec<Projected>, Projected),
+        noise: Vec<f64>,
         (subharmonic, periodic, progress): (usize, bool, f64),
     ) -> Self {
         let samples = run.force.len();

@@ -16,7 +16,10 @@ const LINES: usize = 60;
 
 /// Recovered histories of the selected runs.
 pub fn histories(
-    case: &Case, model: &AccelerationModel, setting: &Setting, selected: &[usize],
+    case: &Case,
+    model: &AccelerationModel,
+    setting: &Setting,
+    selected: &[usize],
 ) -> Result<Vec<ContactHistory>, AccelerationError> {
     let balances = model.balance(setting, selected)?;
     selected.iter().zip(&balances).map(|(&run, balance)| Ok(history(case, run, balance)?)).collect()
@@ -84,7 +87,8 @@ pub(crate) fn law(family: Family, histories: &[ContactHistory]) -> ModifiedLaw<f
         law.set(Hook::Sigma0, 50.0 * guess.mu / reach.max(1e-12));
     }
     // Starts in the open interior of what the fit admits.
-    for (hook, least) in [(Hook::StribeckRise, 1e-3 * guess.mu), (Hook::StribeckVelocity, 1e-3 * guess.speed)] {
+    for (hook, least) in [(Hook::StribeckRise, 1e-3 * guess.mu), (Hook::StribeckVelocity, 1e-3 * guess.speed)]
+    {
         if let Some(value) = law.get(hook) {
             law.set(hook, value.max(least));
         }

@@ -3,7 +3,9 @@
 use crate::case::Scales;
 use crate::start;
 use crate::{AccelerationFit, Case, Unknown};
-use frettrace_forward::accelerations::{AccelerationError, AccelerationModel, Memory, Prediction, Quantity, Setting};
+use frettrace_forward::accelerations::{
+    AccelerationError, AccelerationModel, Memory, Prediction, Quantity, Setting,
+};
 use frettrace_identify::{Fit, FitSettings, IdentifyError, Model, fit};
 use nalgebra::DMatrix;
 
@@ -115,7 +117,11 @@ impl<'a> Study<'a> {
     /// # Errors
     /// [`ExplainError::Fit`] where the model has no solution at the start.
     pub fn fit(
-        &self, setting: Setting, unknowns: &[Unknown], warm: &Memory, most: usize,
+        &self,
+        setting: Setting,
+        unknowns: &[Unknown],
+        warm: &Memory,
+        most: usize,
     ) -> Result<Fitted, ExplainError> {
         let problem =
             AccelerationFit::new(&self.model, setting, unknowns, self.training.clone(), warm.clone());

@@ -28,7 +28,8 @@ impl Study<'_> {
     fn reduced_at(&self, setting: &Setting, place: PortPlace) -> f64 {
         let setting = with_only(setting, place);
         self.model.free_force(&setting, &self.training).map_or(f64::INFINITY, |found| {
-            let sum = found.iter().fold((0.0, 0), |sum, f| (sum.0 + f.chi_squared.0, sum.1 + f.chi_squared.1));
+            let sum =
+                found.iter().fold((0.0, 0), |sum, f| (sum.0 + f.chi_squared.0, sum.1 + f.chi_squared.1));
             sum.0 / sum.1.max(1) as f64
         })
     }
@@ -43,8 +44,10 @@ impl Study<'_> {
             (1..PLACES).map(|k| PortPlace::At(length * k as f64 / PLACES as f64)).collect();
         places.push(PortPlace::Support);
         places.extend((0..setting.frequency.len().min(3)).map(PortPlace::Mode));
-        let mut found: Vec<Located> =
-            places.par_iter().map(|&place| Located { place, reduced: self.reduced_at(setting, place) }).collect();
+        let mut found: Vec<Located> = places
+            .par_iter()
+            .map(|&place| Located { place, reduced: self.reduced_at(setting, place) })
+            .collect();
         found.sort_by(|a, b| a.reduced.total_cmp(&b.reduced));
         if let Some(best) = found.iter().position(|l| matches!(l.place, PortPlace::At(_))) {
             found[best] = self.refine(setting, found[best]);
@@ -92,7 +95,11 @@ impl Study<'_> {
     }
 
     /// Forms of a force at a place whose laws fit what was recovered there, best first, with the id each speaks for.
-    pub(crate) fn force_forms(&self, setting: &Setting, located: &Located) -> Vec<(&'static str, StructureForm)> {
+    pub(crate) fn force_forms(
+        &self,
+        setting: &Setting,
+        located: &Located,
+    ) -> Vec<(&'static str, StructureForm)> {
         let single = with_only(setting, located.place);
         let Ok(found) = self.model.free_force(&single, &self.training) else { return Vec::new() };
         let histories: Vec<History> = (self.training.iter().zip(&found))
@@ -204,12 +211,19 @@ fn regress(histories: &[History], law: PortLaw, used: &[usize]) -> Option<(f64, 
         PortLaw::Gap | PortLaw::Stop | PortLaw::Friction => vec![0, 2],
         _ => used.to_vec(),
     };
-    starts.into_iter().filter_map(|start| least_squares(histories, law, start, &linear)).min_by(|a, b| a.0.total_cmp(&b.0)).map(
-        |(cost, c)| (cost * (1.0 + 0.02 * used.len() as f64), c),
-    )
+    starts
+        .into_iter()
+        .filter_map(|start| least_squares(histories, law, start, &linear))
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(cost, c)| (cost * (1.0 + 0.02 * used.len() as f64), c))
 }
 
-fn least_squares(histories: &[History], law: PortLaw, start: [f64; 4], linear: &[usize]) -> Option<(f64, [f64; 4])> {
+fn least_squares(
+    histories: &[History],
+    law: PortLaw,
+    start: [f64; 4],
+    linear: &[usize],
+) -> Option<(f64, [f64; 4])> {
     let rows: usize = histories.iter().map(|h| h.force.len()).sum();
     let mut matrix = DMatrix::zeros(rows, linear.len());
     let mut right = DVector::zeros(rows);
@@ -238,7 +252,8 @@ fn least_squares(histories: &[History], law: PortLaw, start: [f64; 4], linear: &
     for (c, s) in scale.iter().enumerate() {
         matrix.column_mut(c).unscale_mut(*s);
     }
-    let normal = matrix.transpose() * &matrix + DMatrix::from_diagonal_element(linear.len(), linear.len(), 1e-12);
+    let normal =
+        matrix.transpose() * &matrix + DMatrix::from_diagonal_element(linear.len(), linear.len(), 1e-12);
     let solution = normal.cholesky()?.solve(&(matrix.transpose() * &right));
     let left = (&right - &matrix * &solution).norm_squared() / histories.len() as f64;
     let mut coefficients = start;

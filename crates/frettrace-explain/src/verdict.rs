@@ -245,7 +245,9 @@ impl Search<'_> {
 
     /// The whole model with a structure effect: the law anew on contacts recovered with it, then everything.
     fn with_structure(
-        &self, current: &Explained, candidate: &BalanceCandidate,
+        &self,
+        current: &Explained,
+        candidate: &BalanceCandidate,
     ) -> Result<Explained, ExplainError> {
         let own = candidate.unknowns.iter().filter(|u| !current.fitted.unknowns.contains(u));
         let declared = self.study.case.unknowns();
@@ -284,7 +286,8 @@ impl Search<'_> {
         if left_out > 0 {
             self.notes.push(format!("{left_out} runs are not periodic and were left out of the prediction"));
         }
-        self.notes.push("mean friction, preload, mean position and drift cannot be seen by accelerometers".into());
+        self.notes
+            .push("mean friction, preload, mean position and drift cannot be seen by accelerometers".into());
         let errors = |runs: &[usize]| [&baseline, &model].map(|m| study.error(&m.fitted, runs));
         Outcome {
             verdict,
@@ -324,7 +327,8 @@ impl Search<'_> {
             .enumerate()
             .map(|(k, (&effect, &sensor))| {
                 let last = k + 1 == model.effects.len();
-                let odds: f64 = if last { close(effect).map(|(_, c)| (0.5 * (best - c)).exp()).sum() } else { 0.0 };
+                let odds: f64 =
+                    if last { close(effect).map(|(_, c)| (0.5 * (best - c)).exp()).sum() } else { 0.0 };
                 Named {
                     id: ALL[effect].id(),
                     probability: 1.0 / (1.0 + odds),

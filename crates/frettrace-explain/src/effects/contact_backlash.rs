@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `contact.tangential-stiffness`, `friction.breakaway`; told apart by quasi-static loops: with play the force rests on a plateau after each reversal.
 
-use super::{Effect, EffectPlace, Change, ContactForm};
+use super::{Change, ContactForm, Effect, EffectPlace};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 

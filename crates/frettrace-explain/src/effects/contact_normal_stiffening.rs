@@ -40,7 +40,12 @@ impl Effect for ContactNormalStiffening {
         let depth = scales.preload / stiffness;
         let unknowns = vec![
             signed(Quantity::Port(index, 0), ("support_square", "N/m^2"), 0.1 * stiffness / depth, FREE),
-            signed(Quantity::Port(index, 1), ("support_cube", "N/m^3"), 0.1 * stiffness / (depth * depth), FREE),
+            signed(
+                Quantity::Port(index, 1),
+                ("support_cube", "N/m^3"),
+                0.1 * stiffness / (depth * depth),
+                FREE,
+            ),
         ];
         vec![StructureForm { name: "square and cube", setting, unknowns, sensor: None }]
     }

@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `friction.exponent`, `friction.breakaway`; told apart by loops far below sliding: a spring beside the contact stays when friction is taken away.
 
-use super::{Effect, EffectPlace, Change, ContactForm};
+use super::{Change, ContactForm, Effect, EffectPlace};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 
@@ -34,10 +34,10 @@ impl Effect for ContactTangentialStiffness {
         let sigma0 = law.get(Hook::Sigma0).unwrap_or(1e5);
         vec![
             ContactForm::new("spring beside", vec![Change::signed(Hook::ParallelStiffness, size)]),
-            ContactForm::new("compliance in series", vec![Change::from_zero(
-                Hook::SeriesCompliance,
-                0.1 / (sigma0 * scales.preload),
-            )]),
+            ContactForm::new(
+                "compliance in series",
+                vec![Change::from_zero(Hook::SeriesCompliance, 0.1 / (sigma0 * scales.preload))],
+            ),
         ]
     }
 }

@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `structure.clamp-compliance`, `measurement.gain`; told apart by an accelerometer on the clamp.
 
-use super::{Effect, EffectPlace, FREE, spring_scale, StructureForm};
+use super::{Effect, EffectPlace, FREE, StructureForm, spring_scale};
 use crate::{Case, Scales, signed};
 use frettrace_forward::accelerations::{Quantity, Setting};
 

@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `friction.position`; told apart by the contact turned round: the harmonics of even order change sign.
 
-use super::{Effect, EffectPlace, Change, ContactForm};
+use super::{Change, ContactForm, Effect, EffectPlace};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 

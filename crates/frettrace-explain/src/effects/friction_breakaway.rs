@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `friction.exponent`, `contact.tangential-stiffness`; told apart by small loops just below full slip: without breakaway they dissipate, with it they do not.
 
-use super::{Effect, EffectPlace, Change, ContactForm, known};
+use super::{Change, ContactForm, Effect, EffectPlace, known};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 

@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `friction.breakaway`, `contact.tangential-stiffness`; told apart by small loops at finely stepped levels: the power of dissipation against amplitude is the exponent.
 
-use super::{Effect, EffectPlace, Change, ContactForm, known};
+use super::{Change, ContactForm, Effect, EffectPlace, known};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 

@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `friction.lag`, `friction.stribeck`; told apart by a pause before each run: a film that has collapsed gives the first cycles more friction.
 
-use super::{Effect, EffectPlace, Change, ContactForm};
+use super::{Change, ContactForm, Effect, EffectPlace};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 
@@ -33,12 +33,15 @@ impl Effect for FrictionFilm {
         let mut forms = Vec::new();
         for speed in [0.2, 0.7] {
             for share in [0.03, 0.2] {
-                forms.push(ContactForm::new("building film", vec![
-                    Change::between(Hook::FilmLoss, 0.2, (0.0, 0.95)),
-                    Change::positive(Hook::FilmVelocity, speed * scales.velocity, 1e-2),
-                    Change::positive(Hook::FilmRise, share * scales.period, 1e-4),
-                    Change::positive(Hook::FilmFall, share * scales.period, 1e-4),
-                ]));
+                forms.push(ContactForm::new(
+                    "building film",
+                    vec![
+                        Change::between(Hook::FilmLoss, 0.2, (0.0, 0.95)),
+                        Change::positive(Hook::FilmVelocity, speed * scales.velocity, 1e-2),
+                        Change::positive(Hook::FilmRise, share * scales.period, 1e-4),
+                        Change::positive(Hook::FilmFall, share * scales.period, 1e-4),
+                    ],
+                ));
             }
         }
         forms

@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `friction.film`, `friction.stribeck`; told apart by the same level at two excitation frequencies: the loop opens with frequency where friction lags.
 
-use super::{Effect, EffectPlace, Change, ContactForm, known};
+use super::{Change, ContactForm, Effect, EffectPlace, known};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 
@@ -42,11 +42,14 @@ impl Effect for FrictionLag {
                 if known(law, &[Hook::StribeckRise]) {
                     forms.push(ContactForm::new(name, vec![time]));
                 } else {
-                    forms.push(ContactForm::new(name, vec![
-                        Change::positive(Hook::StribeckRise, 0.3 * mu, 1e-3),
-                        Change::positive(Hook::StribeckVelocity, 0.2 * scales.velocity, 1e-3),
-                        time,
-                    ]));
+                    forms.push(ContactForm::new(
+                        name,
+                        vec![
+                            Change::positive(Hook::StribeckRise, 0.3 * mu, 1e-3),
+                            Change::positive(Hook::StribeckVelocity, 0.2 * scales.velocity, 1e-3),
+                            time,
+                        ],
+                    ));
                 }
             }
             let time = Change::positive(Hook::ForceLag, 0.3 * share * scales.period, 1e-4);

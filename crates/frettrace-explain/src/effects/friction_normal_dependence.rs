@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `contact.normal-stiffening`, `excitation.preload-modulation`; told apart by two preloads at the same level: the coefficient itself changes.
 
-use super::{Effect, EffectPlace, Change, ContactForm};
+use super::{Change, ContactForm, Effect, EffectPlace};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 
@@ -30,6 +30,9 @@ impl Effect for FrictionNormalDependence {
     }
 
     fn contact_forms(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<ContactForm> {
-        vec![ContactForm::new("power law", vec![Change::linear(Hook::NormalExponent, 0.05, 0.1, (-2.0, 2.0))])]
+        vec![ContactForm::new(
+            "power law",
+            vec![Change::linear(Hook::NormalExponent, 0.05, 0.1, (-2.0, 2.0))],
+        )]
     }
 }

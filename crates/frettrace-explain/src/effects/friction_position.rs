@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `friction.asymmetry`, `friction.position-periodic`, `contact.tangential-stiffness`; told apart by the mean position moved by a known step: the change of friction moves with it.
 
-use super::{Effect, EffectPlace, Change, ContactForm};
+use super::{Change, ContactForm, Effect, EffectPlace};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 
@@ -33,10 +33,13 @@ impl Effect for FrictionPosition {
         let size = 0.05 / scales.slip;
         vec![
             ContactForm::new("linear", vec![Change::signed(Hook::Position, size)]),
-            ContactForm::new("quadratic", vec![
-                Change::signed(Hook::Position, size),
-                Change::signed(Hook::PositionSquare, size / scales.slip),
-            ]),
+            ContactForm::new(
+                "quadratic",
+                vec![
+                    Change::signed(Hook::Position, size),
+                    Change::signed(Hook::PositionSquare, size / scales.slip),
+                ],
+            ),
         ]
     }
 }

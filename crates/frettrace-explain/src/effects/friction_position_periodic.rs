@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `friction.position`; told apart by strokes of several lengths over the same track: the wave length stays, the harmonics move.
 
-use super::{Effect, EffectPlace, Change, ContactForm};
+use super::{Change, ContactForm, Effect, EffectPlace};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 
@@ -32,11 +32,18 @@ impl Effect for FrictionPositionPeriodic {
     fn contact_forms(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
         [0.3, 0.6, 1.0, 2.0, 4.0]
             .map(|waves| {
-                ContactForm::new("one wave", vec![
-                    Change::linear(Hook::PeriodicCosine, 0.03, 0.05, (-0.9, 0.9)),
-                    Change::linear(Hook::PeriodicSine, 0.03, 0.05, (-0.9, 0.9)),
-                    Change::positive(Hook::PeriodicNumber, std::f64::consts::TAU * waves / scales.slip, 0.02),
-                ])
+                ContactForm::new(
+                    "one wave",
+                    vec![
+                        Change::linear(Hook::PeriodicCosine, 0.03, 0.05, (-0.9, 0.9)),
+                        Change::linear(Hook::PeriodicSine, 0.03, 0.05, (-0.9, 0.9)),
+                        Change::positive(
+                            Hook::PeriodicNumber,
+                            std::f64::consts::TAU * waves / scales.slip,
+                            0.02,
+                        ),
+                    ],
+                )
             })
             .into()
     }

@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `friction.viscous`, `structure.modal-damping`; told apart by small loops at two frequencies: presliding damping grows with frequency, hysteresis does not.
 
-use super::{Effect, EffectPlace, Change, ContactForm, known};
+use super::{Change, ContactForm, Effect, EffectPlace, known};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 
@@ -36,10 +36,13 @@ impl Effect for FrictionPreslidingDamping {
         let size = 0.05 * law.get(Hook::MuKinetic).unwrap_or(0.3) / scales.velocity;
         vec![
             ContactForm::new("constant", vec![Change::from_zero(Hook::Sigma1, size)]),
-            ContactForm::new("fading with speed", vec![
-                Change::from_zero(Hook::Sigma1, 3.0 * size),
-                Change::positive(Hook::DampingVelocity, 0.3 * scales.velocity, 1e-3),
-            ]),
+            ContactForm::new(
+                "fading with speed",
+                vec![
+                    Change::from_zero(Hook::Sigma1, 3.0 * size),
+                    Change::positive(Hook::DampingVelocity, 0.3 * scales.velocity, 1e-3),
+                ],
+            ),
         ]
     }
 }

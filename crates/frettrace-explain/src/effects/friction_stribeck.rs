@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `friction.lag`, `friction.film`; told apart by runs whose slip speed stays below and far above the Stribeck velocity, at two frequencies: a lag moves with frequency, the curve does not.
 
-use super::{Effect, EffectPlace, Change, ContactForm, known};
+use super::{Change, ContactForm, Effect, EffectPlace, known};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 

@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `structure.modal-damping`; told apart by a decay test with the contact open: damping of the structure stays, viscous friction of the contact goes.
 
-use super::{Effect, EffectPlace, Change, ContactForm, known};
+use super::{Change, ContactForm, Effect, EffectPlace, known};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 

@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `structure.frequency-drift`; told apart by the first run repeated at the end: worn friction does not come back.
 
-use super::{Effect, EffectPlace, Change, ContactForm};
+use super::{Change, ContactForm, Effect, EffectPlace};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 

@@ -32,8 +32,18 @@ impl Effect for MeasurementDelay {
     fn structure_forms(&self, _case: &Case, setting: &Setting, scales: &Scales) -> Vec<StructureForm> {
         (0..setting.sensors.len())
             .map(|sensor| {
-                let unknown = signed(Quantity::Delay(sensor), ("delay", "s"), 1e-4 * scales.period, (-0.05 * scales.period, 0.05 * scales.period));
-                StructureForm { name: "one sensor", setting: setting.clone(), unknowns: vec![unknown], sensor: Some(sensor) }
+                let unknown = signed(
+                    Quantity::Delay(sensor),
+                    ("delay", "s"),
+                    1e-4 * scales.period,
+                    (-0.05 * scales.period, 0.05 * scales.period),
+                );
+                StructureForm {
+                    name: "one sensor",
+                    setting: setting.clone(),
+                    unknowns: vec![unknown],
+                    sensor: Some(sensor),
+                }
             })
             .collect()
     }

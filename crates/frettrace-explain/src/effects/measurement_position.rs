@@ -32,8 +32,18 @@ impl Effect for MeasurementPosition {
     fn structure_forms(&self, _case: &Case, setting: &Setting, scales: &Scales) -> Vec<StructureForm> {
         (0..setting.sensors.len())
             .map(|sensor| {
-                let unknown = signed(Quantity::Shift(sensor), ("shift", "m"), 1e-3 * scales.length, (-0.2 * scales.length, 0.2 * scales.length));
-                StructureForm { name: "one sensor", setting: setting.clone(), unknowns: vec![unknown], sensor: Some(sensor) }
+                let unknown = signed(
+                    Quantity::Shift(sensor),
+                    ("shift", "m"),
+                    1e-3 * scales.length,
+                    (-0.2 * scales.length, 0.2 * scales.length),
+                );
+                StructureForm {
+                    name: "one sensor",
+                    setting: setting.clone(),
+                    unknowns: vec![unknown],
+                    sensor: Some(sensor),
+                }
             })
             .collect()
     }

@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `structure.modal-frequency`, `structure.second-support`; told apart by modes measured with the friction removed: a mass lowers those that move at its place.
 
-use super::{Effect, EffectPlace, place, StructureForm};
+use super::{Effect, EffectPlace, StructureForm, place};
 use crate::{Case, Scales, signed};
 use frettrace_forward::accelerations::{Quantity, Setting};
 
@@ -34,7 +34,12 @@ impl Effect for StructureAddedMass {
             .map(|share| {
                 let mut setting = setting.clone();
                 setting.mass = Some([0.0, share * scales.length]);
-                let mass = signed(Quantity::AddedMass, ("added_mass", "kg"), 0.005 * scales.mass, (-0.02 * scales.mass, scales.mass));
+                let mass = signed(
+                    Quantity::AddedMass,
+                    ("added_mass", "kg"),
+                    0.005 * scales.mass,
+                    (-0.02 * scales.mass, scales.mass),
+                );
                 let unknowns = vec![mass, place(Quantity::MassPosition, scales)];
                 StructureForm { name: "point mass", setting, unknowns, sensor: None }
             })

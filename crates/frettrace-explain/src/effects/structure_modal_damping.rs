@@ -34,8 +34,18 @@ impl Effect for StructureModalDamping {
             .map(|mode| {
                 let value = setting.damping[mode];
                 let name = format!("damping_{}", mode + 1);
-                let unknown = signed(Quantity::ModeDamping(mode), (&name, "1"), 0.05 * value, (0.02 * value, 20.0 * value));
-                StructureForm { name: "one mode", setting: setting.clone(), unknowns: vec![unknown], sensor: None }
+                let unknown = signed(
+                    Quantity::ModeDamping(mode),
+                    (&name, "1"),
+                    0.05 * value,
+                    (0.02 * value, 20.0 * value),
+                );
+                StructureForm {
+                    name: "one mode",
+                    setting: setting.clone(),
+                    unknowns: vec![unknown],
+                    sensor: None,
+                }
             })
             .collect()
     }

@@ -34,8 +34,18 @@ impl Effect for StructureModalFrequency {
             .map(|mode| {
                 let value = setting.frequency[mode];
                 let name = format!("frequency_{}", mode + 1);
-                let unknown = signed(Quantity::ModeFrequency(mode), (&name, "rad/s"), 1e-3 * value, (0.5 * value, 1.5 * value));
-                StructureForm { name: "one mode", setting: setting.clone(), unknowns: vec![unknown], sensor: None }
+                let unknown = signed(
+                    Quantity::ModeFrequency(mode),
+                    (&name, "rad/s"),
+                    1e-3 * value,
+                    (0.5 * value, 1.5 * value),
+                );
+                StructureForm {
+                    name: "one mode",
+                    setting: setting.clone(),
+                    unknowns: vec![unknown],
+                    sensor: None,
+                }
             })
             .collect()
     }

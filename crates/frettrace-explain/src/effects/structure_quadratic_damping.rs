@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `structure.modal-damping`, `friction.viscous`; told apart by free decays from several amplitudes with the contact open: damping rises with the amplitude.
 
-use super::{Effect, EffectPlace, drag_scale, FREE, place, StructureForm, with_port};
+use super::{Effect, EffectPlace, FREE, StructureForm, drag_scale, place, with_port};
 use crate::{Case, Scales, signed};
 use frettrace_forward::accelerations::{COEFFICIENTS, Port, PortLaw, PortPlace, Quantity, Setting};
 
@@ -35,12 +35,22 @@ impl Effect for StructureQuadraticDamping {
         let mut forms: Vec<StructureForm> = Vec::new();
         for mode in 0..modes {
             let (setting, index) = with_port(setting, port(PortPlace::Mode(mode)));
-            let unknown = signed(Quantity::Port(index, 3), ("modal_square_damping", "N·s^2/m^2"), drag_scale(case, true), FREE);
+            let unknown = signed(
+                Quantity::Port(index, 3),
+                ("modal_square_damping", "N·s^2/m^2"),
+                drag_scale(case, true),
+                FREE,
+            );
             forms.push(StructureForm { name: "modal", setting, unknowns: vec![unknown], sensor: None });
         }
         for share in [0.3, 0.5, 0.7] {
             let (setting, index) = with_port(setting, port(PortPlace::At(share * scales.length)));
-            let unknown = signed(Quantity::Port(index, 3), ("local_square_damping", "N·s^2/m^2"), drag_scale(case, false), FREE);
+            let unknown = signed(
+                Quantity::Port(index, 3),
+                ("local_square_damping", "N·s^2/m^2"),
+                drag_scale(case, false),
+                FREE,
+            );
             let at = place(Quantity::PortPosition(index), scales);
             forms.push(StructureForm { name: "local", setting, unknowns: vec![unknown, at], sensor: None });
         }

@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `structure.added-mass`, `structure.cubic-stiffness`; told apart by a stethoscope, or a feeler gauge along the beam.
 
-use super::{Effect, EffectPlace, FREE, place, spring_scale, StructureForm, with_port};
+use super::{Effect, EffectPlace, FREE, StructureForm, place, spring_scale, with_port};
 use crate::{Case, Scales, signed};
 use frettrace_forward::accelerations::{COEFFICIENTS, Port, PortLaw, PortPlace, Quantity, Setting};
 
@@ -36,7 +36,12 @@ impl Effect for StructureSecondSupport {
                 let (setting, index) = with_port(setting, port(PortPlace::At(share * scales.length)));
                 let unknowns = vec![
                     signed(Quantity::Port(index, 0), ("support_stiffness", "N/m"), spring_scale(case), FREE),
-                    signed(Quantity::Port(index, 1), ("support_damping", "N·s/m"), spring_scale(case) * scales.period, FREE),
+                    signed(
+                        Quantity::Port(index, 1),
+                        ("support_damping", "N·s/m"),
+                        spring_scale(case) * scales.period,
+                        FREE,
+                    ),
                     place(Quantity::PortPosition(index), scales),
                 ];
                 StructureForm { name: "spring", setting, unknowns, sensor: None }
