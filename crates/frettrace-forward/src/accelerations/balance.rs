@@ -115,7 +115,9 @@ impl AccelerationModel {
     /// # Errors
     /// [`AccelerationError::Beam`] where the structure cannot be built.
     pub fn balance_beside_port(
-        &self, setting: &Setting, selected: &[usize],
+        &self,
+        setting: &Setting,
+        selected: &[usize],
     ) -> Result<Vec<Balance>, AccelerationError> {
         let structure = Structure::new(&self.rig, setting)?;
         Ok(selected
@@ -151,7 +153,11 @@ impl AccelerationModel {
     ///
     /// # Errors
     /// [`AccelerationError::Beam`] where the structure cannot be built.
-    pub fn free_force(&self, setting: &Setting, selected: &[usize]) -> Result<Vec<FreeForce>, AccelerationError> {
+    pub fn free_force(
+        &self,
+        setting: &Setting,
+        selected: &[usize],
+    ) -> Result<Vec<FreeForce>, AccelerationError> {
         let structure = Structure::new(&self.rig, setting)?;
         Ok(selected
             .iter()
@@ -176,7 +182,8 @@ fn free_force(e: &Evaluation<'_>) -> FreeForce {
             let row = Layout::sensor_row(s);
             let scale = Complex64::from(-at * at / e.lines.deviation[s][h]);
             let (a, b) = (-e.block.at(h, row, 1) * scale, -e.block.at(h, row, 2) * scale);
-            let y = e.lines.acceleration[s][h] / e.lines.deviation[s][h] - e.displacement(&zeros, row, h) * scale;
+            let y =
+                e.lines.acceleration[s][h] / e.lines.deviation[s][h] - e.displacement(&zeros, row, h) * scale;
             aa += a.norm_sqr();
             bb += b.norm_sqr();
             ab += a.conj() * b;
@@ -197,7 +204,8 @@ fn free_force(e: &Evaluation<'_>) -> FreeForce {
         out.chi_squared.0 += yy - (contact.conj() * ay).re - (force.conj() * by).re;
         out.chi_squared.1 += 2 * sensors.saturating_sub(2);
         let row = e.layout.port_row(0);
-        let moved = e.displacement(&zeros, row, h) - e.block.at(h, row, 1) * contact - e.block.at(h, row, 2) * force;
+        let moved =
+            e.displacement(&zeros, row, h) - e.block.at(h, row, 1) * contact - e.block.at(h, row, 2) * force;
         out.force.push(force);
         out.contact.push(contact);
         out.deviation.push((aa / determinant).sqrt());

@@ -148,12 +148,12 @@ impl<'a> Tangent<'a> {
             }
             let mut after = [[0.0; STATES]; STATES + 1];
             for (c, column) in columns.iter().enumerate().take(m + 1) {
-                for i in 0..m {
-                    after[c][i] = flow(&local.state[i], column);
+                for (state, gradient) in after[c].iter_mut().zip(&local.state).take(m) {
+                    *state = flow(gradient, column);
                 }
             }
-            for i in 0..m {
-                after[0][i] += drive(&local.state[i]);
+            for (state, gradient) in after[0].iter_mut().zip(&local.state).take(m) {
+                *state += drive(gradient);
             }
             columns = after;
         }

@@ -100,7 +100,7 @@ impl Solver {
         let mut counts = Counts::default();
         let mut status = self.newton(*problem).run(&mut self.system, &mut self.vectors, &mut counts);
         let lost = status == Status::Stalled || status == Status::IterationLimit;
-        if lost && !(counts.correction < NEAR) {
+        if lost && (counts.correction.is_nan() || counts.correction >= NEAR) {
             status = self.ramp(problem, &mut counts);
         }
         Ok(Solution {
