@@ -21,7 +21,6 @@ pub(crate) struct BalanceProblem<'a> {
 #[derive(Clone)]
 pub(crate) struct BalanceCandidate {
     pub effect: usize,
-    pub form: &'static str,
     pub sensor: Option<usize>,
     pub setting: Setting,
     pub unknowns: Vec<Unknown>,
@@ -159,8 +158,7 @@ impl Study<'_> {
 
     /// The structure calibrated on the balance alone, beside the unknowns of effects.
     pub(crate) fn balance_base(&self, setting: &Setting, added: &[Unknown]) -> BalanceCandidate {
-        let form =
-            StructureForm { name: "declared", setting: setting.clone(), unknowns: Vec::new(), sensor: None };
+        let form = StructureForm { setting: setting.clone(), unknowns: Vec::new(), sensor: None };
         let unknowns = merge(&self.structure_unknowns(), added);
         self.balance_fit(usize::MAX, &form, &unknowns, 6)
     }
@@ -188,7 +186,6 @@ impl Study<'_> {
         let freedom = count * (sensors - 1.0) / sensors;
         BalanceCandidate {
             effect,
-            form: form.name,
             sensor: form.sensor,
             setting,
             criterion: cost + unknowns.len() as f64 * count.ln(),

@@ -13,7 +13,6 @@ use num_complex::Complex64;
 
 /// Recovered motion and force lines of one run.
 pub(crate) struct Recovered {
-    pub run: usize,
     pub slip: Vec<f64>,
     pub velocity: Vec<f64>,
     pub normal: Vec<f64>,
@@ -70,7 +69,6 @@ impl Recovered {
             .collect();
         let dt = std::f64::consts::TAU / lines.omega / samples as f64;
         Ok(Self {
-            run,
             slip,
             velocity,
             normal,

@@ -25,7 +25,6 @@ const COMPLETE_RUN: f64 = 1.12;
 #[derive(Clone)]
 pub(crate) struct ContactCandidate {
     pub effect: usize,
-    pub form: &'static str,
     pub law: ModifiedLaw<f64>,
     pub modulation: usize,
     pub unknowns: Vec<Unknown>,
@@ -167,7 +166,7 @@ impl Study<'_> {
         setting: &Setting,
         law_unknowns: &[Unknown],
     ) -> Option<ContactCandidate> {
-        let form = ContactForm::new("declared", Vec::new());
+        let form = ContactForm::new(Vec::new());
         self.contact_candidate(recovered, setting, law_unknowns, (usize::MAX, &form), 20)
     }
 
@@ -203,7 +202,6 @@ impl Study<'_> {
         let count = problem.residual_count() as f64;
         Some(ContactCandidate {
             effect,
-            form: form.name,
             law: problem.at(&fit.values),
             modulation,
             criterion: fit.cost + fit.values.len() as f64 * count.ln(),

@@ -83,7 +83,6 @@ impl Study<'_> {
         near.flat_map(|place| {
             self.force_forms(setting, place).into_iter().map(|(id, form)| BalanceCandidate {
                 effect: ALL.iter().position(|e| e.id() == id).unwrap_or_default(),
-                form: form.name,
                 sensor: None,
                 setting: form.setting,
                 criterion: place.reduced * count,
@@ -105,7 +104,7 @@ impl Study<'_> {
         let histories: Vec<History> = (self.training.iter().zip(&found))
             .filter_map(|(&run, force)| history(force, self.model.runs[run].omega))
             .collect();
-        let mut forms: Vec<(f64, &'static str, PortLaw, [f64; 4], Vec<usize>)> = Vec::new();
+        let mut forms = Vec::new();
         for (id, law, used) in shapes(located.place) {
             forms.extend(regress(&histories, law, used).map(|(cost, c)| (cost, id, law, c, used.to_vec())));
         }
@@ -136,7 +135,7 @@ impl Study<'_> {
             let bounds = (0.01 * length, 0.99 * length);
             unknowns.push(signed(Quantity::PortPosition(index), ("position", "m"), 0.003 * length, bounds));
         }
-        StructureForm { name: "recovered force", setting, unknowns, sensor: None }
+        StructureForm { setting, unknowns, sensor: None }
     }
 }
 

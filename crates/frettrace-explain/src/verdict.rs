@@ -336,7 +336,7 @@ impl Search<'_> {
                     sensor,
                     parameters: parameters(model),
                     indistinguishable: if last {
-                        close(effect).take(2).map(|(e, _)| ALL[*e].id()).collect()
+                        at_most_two(effect, close(effect).map(|(e, _)| *e))
                     } else {
                         Vec::new()
                     },
@@ -345,6 +345,14 @@ impl Search<'_> {
             })
             .collect()
     }
+}
+
+/// At most two of the effects that the data cannot rule out, those known to look like `effect` first.
+fn at_most_two(effect: usize, left: impl Iterator<Item = usize>) -> Vec<&'static str> {
+    let mut ids: Vec<_> = left.map(|other| ALL[other].id()).collect();
+    ids.sort_by_key(|id| !ALL[effect].rivals().contains(id));
+    ids.truncate(2);
+    ids
 }
 
 /// Whether the effect `of` becomes the effect `simpler` at some value of its parameters.

@@ -31,9 +31,7 @@ impl Effect for ContactBacklash {
 
     fn contact_forms(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
         [0.03, 0.15]
-            .map(|share| {
-                ContactForm::new("play", vec![Change::positive(Hook::Backlash, share * scales.slip, 1e-4)])
-            })
+            .map(|share| ContactForm::new(vec![Change::positive(Hook::Backlash, share * scales.slip, 1e-4)]))
             .into()
     }
 }

@@ -46,6 +46,6 @@ impl Effect for ContactLiftOff {
             quantity: Quantity::Port(index, 1),
             parameter: Parameter::declared("lift_off_preload", "N", prior),
         };
-        vec![StructureForm { name: "no pull", setting, unknowns: vec![preload], sensor: None }]
+        vec![StructureForm { setting, unknowns: vec![preload], sensor: None }]
     }
 }

@@ -47,6 +47,6 @@ impl Effect for ContactNormalStiffening {
                 FREE,
             ),
         ];
-        vec![StructureForm { name: "square and cube", setting, unknowns, sensor: None }]
+        vec![StructureForm { setting, unknowns, sensor: None }]
     }
 }

@@ -37,6 +37,6 @@ impl Effect for ExcitationBaseMotion {
             signed(Quantity::BaseReal, ("base_motion_real", "m/N"), scale, FREE),
             signed(Quantity::BaseImaginary, ("base_motion_imaginary", "m/N"), scale, FREE),
         ];
-        vec![StructureForm { name: "with the force", setting, unknowns, sensor: None }]
+        vec![StructureForm { setting, unknowns, sensor: None }]
     }
 }

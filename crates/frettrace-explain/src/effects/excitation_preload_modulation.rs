@@ -32,13 +32,10 @@ impl Effect for ExcitationPreloadModulation {
     fn contact_forms(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<ContactForm> {
         [1, 2]
             .map(|order| {
-                let mut form = ContactForm::new(
-                    "with the excitation",
-                    vec![
-                        Change::linear(Hook::ModulationCosine, 0.02, 0.05, (-1.5, 1.5)),
-                        Change::linear(Hook::ModulationSine, 0.02, 0.05, (-1.5, 1.5)),
-                    ],
-                );
+                let mut form = ContactForm::new(vec![
+                    Change::linear(Hook::ModulationCosine, 0.02, 0.05, (-1.5, 1.5)),
+                    Change::linear(Hook::ModulationSine, 0.02, 0.05, (-1.5, 1.5)),
+                ]);
                 form.modulation = order;
                 form
             })

@@ -32,14 +32,11 @@ impl Effect for FrictionAgeing {
     fn contact_forms(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
         let mut forms = Vec::new();
         for distance in [0.05, 0.5] {
-            forms.push(ContactForm::new(
-                "logarithmic ageing",
-                vec![
-                    Change::linear(Hook::AgeingGain, 0.05, 0.02, (0.0, 2.0)),
-                    Change::positive(Hook::AgeingDistance, distance * scales.slip, 1e-3),
-                    Change::positive(Hook::AgeingTime, 0.02 * scales.period, 1e-3),
-                ],
-            ));
+            forms.push(ContactForm::new(vec![
+                Change::linear(Hook::AgeingGain, 0.05, 0.02, (0.0, 2.0)),
+                Change::positive(Hook::AgeingDistance, distance * scales.slip, 1e-3),
+                Change::positive(Hook::AgeingTime, 0.02 * scales.period, 1e-3),
+            ]));
         }
         forms
     }

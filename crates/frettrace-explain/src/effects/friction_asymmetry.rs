@@ -30,6 +30,6 @@ impl Effect for FrictionAsymmetry {
     }
 
     fn contact_forms(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<ContactForm> {
-        vec![ContactForm::new("by direction", vec![Change::linear(Hook::Asymmetry, 0.02, 0.02, (-0.9, 0.9))])]
+        vec![ContactForm::new(vec![Change::linear(Hook::Asymmetry, 0.02, 0.02, (-0.9, 0.9))])]
     }
 }

@@ -33,6 +33,6 @@ impl Effect for FrictionBreakaway {
         if known(law, &[Hook::Breakaway]) {
             return Vec::new();
         }
-        vec![ContactForm::new("elastic share", vec![Change::between(Hook::Breakaway, 0.3, (0.0, 0.95))])]
+        vec![ContactForm::new(vec![Change::between(Hook::Breakaway, 0.3, (0.0, 0.95))])]
     }
 }

@@ -34,8 +34,8 @@ impl Effect for FrictionExponent {
             return Vec::new();
         }
         vec![
-            ContactForm::new("sharper", vec![Change::between(Hook::Exponent, 0.8, (0.02, 8.0))]),
-            ContactForm::new("rounder", vec![Change::between(Hook::Exponent, 1.3, (0.02, 8.0))]),
+            ContactForm::new(vec![Change::between(Hook::Exponent, 0.8, (0.02, 8.0))]),
+            ContactForm::new(vec![Change::between(Hook::Exponent, 1.3, (0.02, 8.0))]),
         ]
     }
 }

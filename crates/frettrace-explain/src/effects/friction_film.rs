@@ -33,15 +33,12 @@ impl Effect for FrictionFilm {
         let mut forms = Vec::new();
         for speed in [0.2, 0.7] {
             for share in [0.03, 0.2] {
-                forms.push(ContactForm::new(
-                    "building film",
-                    vec![
-                        Change::between(Hook::FilmLoss, 0.2, (0.0, 0.95)),
-                        Change::positive(Hook::FilmVelocity, speed * scales.velocity, 1e-2),
-                        Change::positive(Hook::FilmRise, share * scales.period, 1e-4),
-                        Change::positive(Hook::FilmFall, share * scales.period, 1e-4),
-                    ],
-                ));
+                forms.push(ContactForm::new(vec![
+                    Change::between(Hook::FilmLoss, 0.2, (0.0, 0.95)),
+                    Change::positive(Hook::FilmVelocity, speed * scales.velocity, 1e-2),
+                    Change::positive(Hook::FilmRise, share * scales.period, 1e-4),
+                    Change::positive(Hook::FilmFall, share * scales.period, 1e-4),
+                ]));
             }
         }
         forms

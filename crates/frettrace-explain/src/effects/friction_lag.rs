@@ -33,27 +33,20 @@ impl Effect for FrictionLag {
         let mu = law.get(Hook::MuKinetic).unwrap_or(0.3);
         let mut forms = Vec::new();
         for share in [0.01, 0.05] {
-            for (name, hook) in [
-                ("lagging coefficient", Hook::LagTime),
-                ("lagging speed", Hook::SpeedLag),
-                ("lagging velocity", Hook::VelocityLag),
-            ] {
+            for hook in [Hook::LagTime, Hook::SpeedLag, Hook::VelocityLag] {
                 let time = Change::positive(hook, share * scales.period, 1e-4);
                 if known(law, &[Hook::StribeckRise]) {
-                    forms.push(ContactForm::new(name, vec![time]));
+                    forms.push(ContactForm::new(vec![time]));
                 } else {
-                    forms.push(ContactForm::new(
-                        name,
-                        vec![
-                            Change::positive(Hook::StribeckRise, 0.3 * mu, 1e-3),
-                            Change::positive(Hook::StribeckVelocity, 0.2 * scales.velocity, 1e-3),
-                            time,
-                        ],
-                    ));
+                    forms.push(ContactForm::new(vec![
+                        Change::positive(Hook::StribeckRise, 0.3 * mu, 1e-3),
+                        Change::positive(Hook::StribeckVelocity, 0.2 * scales.velocity, 1e-3),
+                        time,
+                    ]));
                 }
             }
             let time = Change::positive(Hook::ForceLag, 0.3 * share * scales.period, 1e-4);
-            forms.push(ContactForm::new("lagging force", vec![time]));
+            forms.push(ContactForm::new(vec![time]));
         }
         forms
     }

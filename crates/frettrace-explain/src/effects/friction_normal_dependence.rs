@@ -30,9 +30,6 @@ impl Effect for FrictionNormalDependence {
     }
 
     fn contact_forms(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<ContactForm> {
-        vec![ContactForm::new(
-            "power law",
-            vec![Change::linear(Hook::NormalExponent, 0.05, 0.1, (-2.0, 2.0))],
-        )]
+        vec![ContactForm::new(vec![Change::linear(Hook::NormalExponent, 0.05, 0.1, (-2.0, 2.0))])]
     }
 }

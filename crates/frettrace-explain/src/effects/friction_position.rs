@@ -32,14 +32,11 @@ impl Effect for FrictionPosition {
     fn contact_forms(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
         let size = 0.05 / scales.slip;
         vec![
-            ContactForm::new("linear", vec![Change::signed(Hook::Position, size)]),
-            ContactForm::new(
-                "quadratic",
-                vec![
-                    Change::signed(Hook::Position, size),
-                    Change::signed(Hook::PositionSquare, size / scales.slip),
-                ],
-            ),
+            ContactForm::new(vec![Change::signed(Hook::Position, size)]),
+            ContactForm::new(vec![
+                Change::signed(Hook::Position, size),
+                Change::signed(Hook::PositionSquare, size / scales.slip),
+            ]),
         ]
     }
 }

@@ -32,18 +32,11 @@ impl Effect for FrictionPositionPeriodic {
     fn contact_forms(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
         [0.3, 0.6, 1.0, 2.0, 4.0]
             .map(|waves| {
-                ContactForm::new(
-                    "one wave",
-                    vec![
-                        Change::linear(Hook::PeriodicCosine, 0.03, 0.05, (-0.9, 0.9)),
-                        Change::linear(Hook::PeriodicSine, 0.03, 0.05, (-0.9, 0.9)),
-                        Change::positive(
-                            Hook::PeriodicNumber,
-                            std::f64::consts::TAU * waves / scales.slip,
-                            0.02,
-                        ),
-                    ],
-                )
+                ContactForm::new(vec![
+                    Change::linear(Hook::PeriodicCosine, 0.03, 0.05, (-0.9, 0.9)),
+                    Change::linear(Hook::PeriodicSine, 0.03, 0.05, (-0.9, 0.9)),
+                    Change::positive(Hook::PeriodicNumber, std::f64::consts::TAU * waves / scales.slip, 0.02),
+                ])
             })
             .into()
     }

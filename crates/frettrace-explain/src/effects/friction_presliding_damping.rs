@@ -35,14 +35,11 @@ impl Effect for FrictionPreslidingDamping {
         }
         let size = 0.05 * law.get(Hook::MuKinetic).unwrap_or(0.3) / scales.velocity;
         vec![
-            ContactForm::new("constant", vec![Change::from_zero(Hook::Sigma1, size)]),
-            ContactForm::new(
-                "fading with speed",
-                vec![
-                    Change::from_zero(Hook::Sigma1, 3.0 * size),
-                    Change::positive(Hook::DampingVelocity, 0.3 * scales.velocity, 1e-3),
-                ],
-            ),
+            ContactForm::new(vec![Change::from_zero(Hook::Sigma1, size)]),
+            ContactForm::new(vec![
+                Change::from_zero(Hook::Sigma1, 3.0 * size),
+                Change::positive(Hook::DampingVelocity, 0.3 * scales.velocity, 1e-3),
+            ]),
         ]
     }
 }

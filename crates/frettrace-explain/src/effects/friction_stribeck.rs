@@ -45,8 +45,7 @@ impl Effect for FrictionStribeck {
                 if rational {
                     changes.push(Change::fixed(Hook::RationalShare, 1.0));
                 }
-                let name = if rational { "rational decay" } else { "exponential decay" };
-                forms.push(ContactForm::new(name, changes));
+                forms.push(ContactForm::new(changes));
             }
         }
         forms

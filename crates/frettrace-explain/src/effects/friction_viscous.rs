@@ -34,6 +34,6 @@ impl Effect for FrictionViscous {
             return Vec::new();
         }
         let size = 0.05 * law.get(Hook::MuKinetic).unwrap_or(0.3) * scales.preload / scales.velocity;
-        vec![ContactForm::new("linear", vec![Change::from_zero(Hook::Viscous, size)])]
+        vec![ContactForm::new(vec![Change::from_zero(Hook::Viscous, size)])]
     }
 }

@@ -30,6 +30,6 @@ impl Effect for FrictionWear {
     }
 
     fn contact_forms(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<ContactForm> {
-        vec![ContactForm::new("from run to run", vec![Change::linear(Hook::Wear, 0.02, 0.05, (-0.9, 5.0))])]
+        vec![ContactForm::new(vec![Change::linear(Hook::Wear, 0.02, 0.05, (-0.9, 5.0))])]
     }
 }

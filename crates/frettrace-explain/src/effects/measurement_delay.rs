@@ -38,12 +38,7 @@ impl Effect for MeasurementDelay {
                     1e-4 * scales.period,
                     (-0.05 * scales.period, 0.05 * scales.period),
                 );
-                StructureForm {
-                    name: "one sensor",
-                    setting: setting.clone(),
-                    unknowns: vec![unknown],
-                    sensor: Some(sensor),
-                }
+                StructureForm { setting: setting.clone(), unknowns: vec![unknown], sensor: Some(sensor) }
             })
             .collect()
     }

@@ -33,12 +33,7 @@ impl Effect for MeasurementGain {
         (0..setting.sensors.len())
             .map(|sensor| {
                 let unknown = signed(Quantity::Gain(sensor), ("gain", "1"), 0.01, (0.1, 10.0));
-                StructureForm {
-                    name: "one sensor",
-                    setting: setting.clone(),
-                    unknowns: vec![unknown],
-                    sensor: Some(sensor),
-                }
+                StructureForm { setting: setting.clone(), unknowns: vec![unknown], sensor: Some(sensor) }
             })
             .collect()
     }

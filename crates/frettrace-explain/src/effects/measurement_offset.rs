@@ -33,12 +33,7 @@ impl Effect for MeasurementOffset {
         (0..setting.sensors.len())
             .map(|sensor| {
                 let unknown = signed(Quantity::Offset(sensor), ("offset", "m/s^2"), 0.01, FREE);
-                StructureForm {
-                    name: "one sensor",
-                    setting: setting.clone(),
-                    unknowns: vec![unknown],
-                    sensor: Some(sensor),
-                }
+                StructureForm { setting: setting.clone(), unknowns: vec![unknown], sensor: Some(sensor) }
             })
             .collect()
     }

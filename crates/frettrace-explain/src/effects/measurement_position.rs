@@ -38,12 +38,7 @@ impl Effect for MeasurementPosition {
                     1e-3 * scales.length,
                     (-0.2 * scales.length, 0.2 * scales.length),
                 );
-                StructureForm {
-                    name: "one sensor",
-                    setting: setting.clone(),
-                    unknowns: vec![unknown],
-                    sensor: Some(sensor),
-                }
+                StructureForm { setting: setting.clone(), unknowns: vec![unknown], sensor: Some(sensor) }
             })
             .collect()
     }

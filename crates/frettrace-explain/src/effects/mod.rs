@@ -106,22 +106,20 @@ impl Change {
 /// One form of an effect in the contact.
 #[derive(Clone, Debug)]
 pub(crate) struct ContactForm {
-    pub name: &'static str,
     pub changes: Vec<Change>,
     /// Order of the excitation's line with which the preload is modulated.
     pub modulation: usize,
 }
 
 impl ContactForm {
-    pub fn new(name: &'static str, changes: Vec<Change>) -> Self {
-        Self { name, changes, modulation: 1 }
+    pub fn new(changes: Vec<Change>) -> Self {
+        Self { changes, modulation: 1 }
     }
 }
 
 /// One form of an effect in the structure, the excitation or the measurement.
 #[derive(Clone, Debug)]
 pub(crate) struct StructureForm {
-    pub name: &'static str,
     pub setting: Setting,
     pub unknowns: Vec<Unknown>,
     pub sensor: Option<usize>,

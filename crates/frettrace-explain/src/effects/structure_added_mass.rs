@@ -41,7 +41,7 @@ impl Effect for StructureAddedMass {
                     (-0.02 * scales.mass, scales.mass),
                 );
                 let unknowns = vec![mass, place(Quantity::MassPosition, scales)];
-                StructureForm { name: "point mass", setting, unknowns, sensor: None }
+                StructureForm { setting, unknowns, sensor: None }
             })
             .into()
     }

@@ -33,6 +33,6 @@ impl Effect for StructureClampCompliance {
         let mut setting = setting.clone();
         setting.clamp_compliance = 1e-6;
         let unknown = signed(Quantity::ClampCompliance, ("clamp_compliance", "1"), 0.003, (0.0, 0.5));
-        vec![StructureForm { name: "rotation", setting, unknowns: vec![unknown], sensor: None }]
+        vec![StructureForm { setting, unknowns: vec![unknown], sensor: None }]
     }
 }

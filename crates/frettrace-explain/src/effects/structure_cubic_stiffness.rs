@@ -41,7 +41,7 @@ impl Effect for StructureCubicStiffness {
                 cube_scale(case, scales, true),
                 FREE,
             );
-            forms.push(StructureForm { name: "modal", setting, unknowns: vec![unknown], sensor: None });
+            forms.push(StructureForm { setting, unknowns: vec![unknown], sensor: None });
         }
         for share in [0.3, 0.5, 0.7] {
             let (setting, index) = with_port(setting, port(PortPlace::At(share * scales.length)));
@@ -52,7 +52,7 @@ impl Effect for StructureCubicStiffness {
                 FREE,
             );
             let at = place(Quantity::PortPosition(index), scales);
-            forms.push(StructureForm { name: "local", setting, unknowns: vec![unknown, at], sensor: None });
+            forms.push(StructureForm { setting, unknowns: vec![unknown, at], sensor: None });
         }
         forms
     }

@@ -31,11 +31,6 @@ impl Effect for StructureFrequencyDrift {
 
     fn structure_forms(&self, _case: &Case, setting: &Setting, _scales: &Scales) -> Vec<StructureForm> {
         let unknown = signed(Quantity::Drift, ("drift", "1"), 1e-4, (-0.2, 0.2));
-        vec![StructureForm {
-            name: "from run to run",
-            setting: setting.clone(),
-            unknowns: vec![unknown],
-            sensor: None,
-        }]
+        vec![StructureForm { setting: setting.clone(), unknowns: vec![unknown], sensor: None }]
     }
 }

@@ -40,12 +40,7 @@ impl Effect for StructureModalDamping {
                     0.05 * value,
                     (0.02 * value, 20.0 * value),
                 );
-                StructureForm {
-                    name: "one mode",
-                    setting: setting.clone(),
-                    unknowns: vec![unknown],
-                    sensor: None,
-                }
+                StructureForm { setting: setting.clone(), unknowns: vec![unknown], sensor: None }
             })
             .collect()
     }

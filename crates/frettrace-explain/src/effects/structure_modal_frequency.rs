@@ -40,12 +40,7 @@ impl Effect for StructureModalFrequency {
                     1e-3 * value,
                     (0.5 * value, 1.5 * value),
                 );
-                StructureForm {
-                    name: "one mode",
-                    setting: setting.clone(),
-                    unknowns: vec![unknown],
-                    sensor: None,
-                }
+                StructureForm { setting: setting.clone(), unknowns: vec![unknown], sensor: None }
             })
             .collect()
     }

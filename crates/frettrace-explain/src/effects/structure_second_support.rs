@@ -44,7 +44,7 @@ impl Effect for StructureSecondSupport {
                     ),
                     place(Quantity::PortPosition(index), scales),
                 ];
-                StructureForm { name: "spring", setting, unknowns, sensor: None }
+                StructureForm { setting, unknowns, sensor: None }
             })
             .into()
     }
