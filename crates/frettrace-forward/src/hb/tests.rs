@@ -3,6 +3,7 @@
 mod curves;
 mod laws;
 mod oscillator;
+mod several;
 
 use super::*;
 use crate::ForwardError;
