@@ -1,7 +1,9 @@
 //! What do a balanced run, its tangents and a whole response curve cost? See README.md beside this file.
 
+#![allow(clippy::print_stdout, reason = "the counts of a sweep belong to its time")]
+
 #[path = "../tests/peers/problems.rs"]
-#[allow(dead_code, missing_docs)]
+#[allow(dead_code, missing_docs, clippy::unwrap_used, reason = "shared with the tests")]
 mod problems;
 
 use frettrace_forward::hb::{

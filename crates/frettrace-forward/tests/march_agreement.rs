@@ -1,5 +1,7 @@
 //! Harmonic balance of high order against the time march, which shares nothing with it but modes and law.
 
+#![allow(clippy::unwrap_used, reason = "a helper of tests that fails is a test that fails")]
+
 #[path = "peers/problems.rs"]
 #[allow(dead_code)]
 mod problems;

@@ -1,5 +1,7 @@
 //! The answers of other harmonic-balance codes, at equal order and sampling.
 
+#![allow(clippy::unwrap_used, reason = "a helper of tests that fails is a test that fails")]
+
 #[path = "peers/problems.rs"]
 mod problems;
 
