@@ -9,14 +9,14 @@ use std::f64::consts::TAU;
 /// `F = k_t (u − w)`, where the slider's position `w` follows as soon as `|F|` would exceed `μN`.
 #[derive(Clone, Copy)]
 struct Jenkins<T> {
-    /// Tangential stiffness `k_t` [N/m].
+    /// Tangential stiffness `k_t` (N/m).
     stiffness: T,
     /// Friction coefficient `μ`.
     mu: T,
 }
 
 impl<T: Scalar> FrictionLaw<T> for Jenkins<T> {
-    /// The force carried by the spring [N].
+    /// The force carried by the spring (N).
     type State = [T; 1];
 
     fn rest(&self) -> [T; 1] {

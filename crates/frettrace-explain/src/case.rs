@@ -12,9 +12,9 @@ use frettrace_identify::{Parameter, Prior, Transform};
 /// Measured modes with their standard deviations.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DeclaredModes {
-    /// Natural frequencies [rad/s].
+    /// Natural frequencies (rad/s).
     pub frequency: Vec<f64>,
-    /// Their standard deviations [rad/s].
+    /// Their standard deviations (rad/s).
     pub frequency_std: Vec<f64>,
     /// Damping ratios.
     pub damping: Vec<f64>,
@@ -38,17 +38,17 @@ pub struct Case {
 /// Sizes of the motion in the contact, from which starting values and ranges are scaled.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Scales {
-    /// Largest slip [m].
+    /// Largest slip (m).
     pub slip: f64,
-    /// Largest slip velocity [m/s].
+    /// Largest slip velocity (m/s).
     pub velocity: f64,
-    /// Period of the excitation [s].
+    /// Period of the excitation (s).
     pub period: f64,
-    /// Preload [N].
+    /// Preload (N).
     pub preload: f64,
-    /// Length of the beam [m].
+    /// Length of the beam (m).
     pub length: f64,
-    /// Mass of the beam [kg].
+    /// Mass of the beam (kg).
     pub mass: f64,
 }
 

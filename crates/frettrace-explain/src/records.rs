@@ -7,15 +7,15 @@ use num_complex::Complex64;
 /// Samples of one run.
 #[derive(Clone, Debug)]
 pub struct RunSamples<'a> {
-    /// Sampling rate [Hz].
+    /// Sampling rate (Hz).
     pub sampling_rate: f64,
-    /// Nominal excitation frequency [Hz].
+    /// Nominal excitation frequency (Hz).
     pub excitation_frequency: f64,
-    /// Preload [N].
+    /// Preload (N).
     pub preload: f64,
-    /// Excitation force [N].
+    /// Excitation force (N).
     pub force: &'a [f64],
-    /// Accelerations [m/s²].
+    /// Accelerations (m/s²).
     pub acceleration: &'a [Vec<f64>],
 }
 
@@ -28,17 +28,17 @@ pub struct RunRecord {
     pub subharmonic: usize,
     /// Whether the lines hold all that exceeds the noise.
     pub periodic: bool,
-    /// Mean square of each sensor beside the lines [(m/s²)²].
+    /// Mean square of each sensor beside the lines ((m/s²)²).
     pub beside: Vec<f64>,
-    /// Mean square of each sensor [(m/s²)²].
+    /// Mean square of each sensor ((m/s²)²).
     pub power: Vec<f64>,
-    /// Standard deviation of the noise of each sensor [m/s²].
+    /// Standard deviation of the noise of each sensor (m/s²).
     pub noise: Vec<f64>,
     /// What neither lines nor a constant hold, sample by sample.
     pub residual: Vec<Vec<f64>>,
     /// Samples of the run.
     pub samples: usize,
-    /// Sampling rate [Hz].
+    /// Sampling rate (Hz).
     pub sampling_rate: f64,
 }
 

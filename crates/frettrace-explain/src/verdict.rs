@@ -28,7 +28,7 @@ pub struct Named {
     pub id: &'static str,
     /// Probability against the best rival, from the difference of the criteria.
     pub probability: f64,
-    /// Position on the beam [m].
+    /// Position on the beam (m).
     pub position: Option<f64>,
     /// Index of the sensor.
     pub sensor: Option<usize>,

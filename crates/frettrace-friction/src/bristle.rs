@@ -55,19 +55,19 @@ pub enum Steady {
 /// The parameters of the bristle family; what a law does not have is 0.
 #[derive(Clone, Copy, Debug)]
 pub struct Bristle<T> {
-    /// Stiffness σ0 per newton of normal force [1/m].
+    /// Stiffness σ0 per newton of normal force (1/m).
     pub sigma0: T,
-    /// Presliding damping σ1 per newton of normal force [s/m].
+    /// Presliding damping σ1 per newton of normal force (s/m).
     pub sigma1: T,
-    /// Velocity v_d above which presliding damping dies [m/s]; infinite: it never does.
+    /// Velocity v_d above which presliding damping dies (m/s); infinite: it never does.
     pub v_d: T,
-    /// Viscous damping σ2 [N·s/m].
+    /// Viscous damping σ2 (N·s/m).
     pub sigma2: T,
     /// Friction coefficient at rest.
     pub mu_s: T,
     /// Friction coefficient of fast slip.
     pub mu_k: T,
-    /// Stribeck velocity v_s [m/s].
+    /// Stribeck velocity v_s (m/s).
     pub v_s: T,
     /// Stribeck exponent δ.
     pub delta: T,
@@ -84,7 +84,7 @@ pub struct Bristle<T> {
 /// A moment inside a step, at which a friction coefficient is wanted.
 #[derive(Clone, Copy, Debug)]
 pub struct Instant<T> {
-    /// Slip velocity [m/s].
+    /// Slip velocity (m/s).
     pub velocity: T,
     /// +1 or −1: the sense of the slip, also at the very reversal.
     pub direction: f64,
@@ -121,7 +121,7 @@ impl<T: Scalar> Bristle<T> {
         }
     }
 
-    /// Presliding damping σ1(v) = σ1 exp(−(v/v_d)²) [s/m].
+    /// Presliding damping σ1(v) = σ1 exp(−(v/v_d)²) (s/m).
     #[inline(always)]
     pub fn presliding_damping(&self, velocity: T) -> T {
         let (sigma1, v_d, v) = (self.sigma1.re(), self.v_d.re(), velocity.re());
@@ -162,7 +162,7 @@ impl<T: Scalar> Bristle<T> {
         after * (self.sigma0.recip() * stroke.direction)
     }
 
-    /// The rate ż [m/s] of the deflection.
+    /// The rate ż (m/s) of the deflection.
     #[inline(always)]
     pub fn rate(&self, z: T, velocity: T, mu: T) -> T {
         if mu.re() <= 0.0 {

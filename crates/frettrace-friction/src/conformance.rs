@@ -7,7 +7,7 @@ use num_dual::DualSVec64;
 use crate::{Closing, FrictionLaw, FrictionModel, Law, Period, Scalar, Step, Visitor, close_loop};
 
 const NORMAL: f64 = 100.0;
-/// Period of the test motion [s], long enough for the Stribeck curve of the example values to be passed.
+/// Period of the test motion (s), long enough for the Stribeck curve of the example values to be passed.
 const PERIOD: f64 = 0.05;
 
 /// Slip and slip velocity at a fraction of the period: two harmonics, three amplitudes of the example laws' z_ss.

@@ -26,18 +26,18 @@ pub struct Film<T> {
     pub mu_s: T,
     /// Friction coefficient of fast slip.
     pub mu_k: T,
-    /// Stribeck velocity [m/s].
+    /// Stribeck velocity (m/s).
     pub v_s: T,
     /// Stribeck exponent.
     pub delta: T,
-    /// Velocity at which the film is full [m/s].
+    /// Velocity at which the film is full (m/s).
     pub v_b: T,
     /// Time constants \[s\]: growth, decay, rest.
     pub tau: [T; 3],
 }
 
 impl<T: Scalar> Film<T> {
-    /// Steady thickness at a slip velocity [m/s], dimensionless.
+    /// Steady thickness at a slip velocity (m/s), dimensionless.
     pub fn steady(&self, velocity: T) -> T {
         let full = positive_part(-self.mu_k / self.mu_s + 1.0);
         let ratio = velocity / self.v_b;
@@ -67,14 +67,14 @@ impl<T: Scalar> Film<T> {
         after + (thickness - before) * (-length).exp() - (after - before) * slope
     }
 
-    /// Friction coefficient at a slip velocity [m/s] and a thickness.
+    /// Friction coefficient at a slip velocity (m/s) and a thickness.
     #[inline]
     pub fn coefficient(&self, velocity: T, thickness: T) -> T {
         stribeck(velocity, [self.mu_s * (-thickness + 1.0), self.mu_k, self.v_s, self.delta])
     }
 }
 
-/// Slip acceleration [m/s²] of the Hermite cubic at the end of a step.
+/// Slip acceleration (m/s²) of the Hermite cubic at the end of a step.
 pub fn acceleration<T: Scalar>(step: &Step<T>) -> T {
     let [v0, v1] = step.velocity;
     let mean = (step.slip[1] - step.slip[0]) / step.dt;

@@ -23,7 +23,7 @@ const REVERSAL: f64 = 1e-9;
 pub struct Step<T> {
     /// Slip `u` \[m\].
     pub slip: [T; 2],
-    /// Slip velocity `v` [m/s].
+    /// Slip velocity `v` (m/s).
     pub velocity: [T; 2],
     /// Normal force `N` \[N\], compression positive; a law uses `max(N, 0)`.
     pub normal: [T; 2],
@@ -38,7 +38,7 @@ pub struct Stroke<T> {
     pub travel: T,
     /// +1 or −1: the sense of the slip.
     pub direction: f64,
-    /// Slip velocity [m/s] at the start, the middle and the end in time.
+    /// Slip velocity (m/s) at the start, the middle and the end in time.
     pub velocity: [T; 3],
     /// Where start, middle and end lie in the step, as fractions of its duration.
     pub fraction: [T; 3],
@@ -47,7 +47,7 @@ pub struct Stroke<T> {
 }
 
 impl<T: Scalar> Step<T> {
-    /// Slip \[m\] and slip velocity [m/s] of the Hermite cubic at a fraction of the step's duration.
+    /// Slip \[m\] and slip velocity (m/s) of the Hermite cubic at a fraction of the step's duration.
     pub fn at(&self, fraction: T) -> (T, T) {
         let [v0, v1] = self.velocity;
         let [bend, lean, start] = self.velocity_parabola();

@@ -7,7 +7,7 @@ use crate::{Error, FrictionLaw, Scalar, Step};
 pub struct Period<'a, T> {
     /// Slip \[m\].
     pub slip: &'a [T],
-    /// Slip velocity [m/s].
+    /// Slip velocity (m/s).
     pub velocity: &'a [T],
     /// Normal force \[N\], compression positive.
     pub normal: &'a [T],

@@ -20,7 +20,7 @@ pub struct Beam {
     pub thickness: f64,
     /// Young's modulus \[Pa\].
     pub youngs_modulus: f64,
-    /// Density [kg/m³].
+    /// Density (kg/m³).
     pub density: f64,
     /// Area of the section \[m²\], where it is not `width · thickness` (tubes).
     pub area: Option<f64>,
@@ -59,7 +59,7 @@ pub struct Support {
     pub slip: SlipKind,
     /// Lever arm \[m\]; 0 where the slip is transverse.
     pub lever_arm: f64,
-    /// Stiffness of the support spring [N/m]; infinite for a pinned end.
+    /// Stiffness of the support spring (N/m); infinite for a pinned end.
     pub normal_stiffness: f64,
     /// The declared friction law.
     pub law: String,
@@ -84,7 +84,7 @@ pub struct Exciter {
 pub struct Sensors {
     /// Positions \[m\].
     pub position: Vec<f64>,
-    /// Standard deviations of their noise [m/s²], where given.
+    /// Standard deviations of their noise (m/s²), where given.
     pub noise_std: Option<Vec<f64>>,
     /// Names, where given.
     pub name: Option<Vec<String>>,
@@ -107,7 +107,7 @@ pub struct Run {
     pub lubricated: Option<bool>,
     /// Temperature \[K\], where stated.
     pub temperature: Option<f64>,
-    /// Accelerations [m/s²], one vector of `n` samples a sensor.
+    /// Accelerations (m/s²), one vector of `n` samples a sensor.
     pub acceleration: Vec<Vec<f64>>,
     /// Excitation force \[N\], `n` samples.
     pub force: Vec<f64>,

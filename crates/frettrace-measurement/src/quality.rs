@@ -34,9 +34,9 @@ pub enum ChannelState {
 /// One accelerometer in one run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Channel {
-    /// Root mean square without the mean [m/s²].
+    /// Root mean square without the mean (m/s²).
     pub rms: f64,
-    /// Standard deviation of the noise [m/s²]: declared, or what the lines leave.
+    /// Standard deviation of the noise (m/s²): declared, or what the lines leave.
     pub noise_std: f64,
     /// Whether the noise is declared in the file.
     pub noise_declared: bool,
@@ -63,7 +63,7 @@ pub struct RunQuality {
     pub frequency_std: f64,
     /// Root mean square of the excitation force without its mean \[N\].
     pub force_rms: f64,
-    /// Root mean square of the accelerations over all sensors, without means [m/s²].
+    /// Root mean square of the accelerations over all sensors, without means (m/s²).
     pub level: f64,
     /// Share of the acceleration in harmonics of the excitation above the first (relative RMS).
     pub harmonic_share: f64,

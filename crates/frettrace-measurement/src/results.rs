@@ -86,9 +86,9 @@ pub struct ReconstructedRun {
     pub normal_force: Estimate,
     /// Slip \[m\].
     pub slip_displacement: Estimate,
-    /// Slip velocity [m/s].
+    /// Slip velocity (m/s).
     pub slip_velocity: Estimate,
-    /// Fitted acceleration [m/s²], one a sensor.
+    /// Fitted acceleration (m/s²), one a sensor.
     pub acceleration_fit: Vec<Estimate>,
     /// Force of the second support \[N\], where one is declared.
     pub second_support_force: Option<Estimate>,

@@ -47,7 +47,7 @@ pub(crate) struct Unit {
     pub(crate) dimension: Dimension,
 }
 
-/// Standard gravity [m/s²], exact by definition (3rd CGPM, 1901).
+/// Standard gravity (m/s²), exact by definition (3rd CGPM, 1901).
 const GRAVITY: f64 = 9.80665;
 /// Inch \[m\] and pound \[kg\], exact by the international yard and pound agreement of 1959.
 const INCH: f64 = 0.0254;

@@ -20,7 +20,7 @@ pub struct RunTruth {
     pub normal_force: Vec<f64>,
     /// Slip \[m\].
     pub slip_displacement: Vec<f64>,
-    /// Slip velocity [m/s].
+    /// Slip velocity (m/s).
     pub slip_velocity: Vec<f64>,
     /// Force of the second support \[N\], where there is one.
     pub second_support_force: Option<Vec<f64>>,

@@ -52,7 +52,7 @@ impl Bench {
     }
 }
 
-/// Columns t [s], f [kip], u [in], a [g] with u = sin(ωt) in, f in phase with velocity, a the second derivative of u in g.
+/// Columns t (s), f [kip], u [in], a [g] with u = sin(ωt) in, f in phase with velocity, a the second derivative of u in g.
 fn loops(sign: f64) -> String {
     let mut text = String::from("t,f,u,v,a\n");
     let omega = 20.0;

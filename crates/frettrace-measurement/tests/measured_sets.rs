@@ -49,7 +49,7 @@ fn raw_files_are_those_registered() {
     }
 }
 
-/// Work of the friction per travelled length [N]: the mean friction force against the motion.
+/// Work of the friction per travelled length (N): the mean friction force against the motion.
 fn mean_friction(run: &ContactRun) -> f64 {
     let steps = run.force.windows(2).zip(run.slip_displacement.windows(2));
     let (work, way) = steps.fold((0.0, 0.0), |(work, way), (f, u)| {
@@ -59,7 +59,7 @@ fn mean_friction(run: &ContactRun) -> f64 {
     work / way
 }
 
-/// Mean friction of the runs of a set [N]: the size known from the rig, by which a wrong unit would show.
+/// Mean friction of the runs of a set (N): the size known from the rig, by which a wrong unit would show.
 fn expected_friction(description: &str) -> std::ops::Range<f64> {
     match description {
         // Loops of ±1 to ±3.4 kip: 4 to 15 kN.

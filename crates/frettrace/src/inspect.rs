@@ -23,9 +23,9 @@ pub enum Inspection {
         slip: String,
         /// Number of measured modes; 0 where the file gives none.
         modes: usize,
-        /// Position of a declared second support [m].
+        /// Position of a declared second support (m).
         second_support_m: Option<f64>,
-        /// Positions of the sensors [m].
+        /// Positions of the sensors (m).
         sensor_position_m: Vec<f64>,
         /// The runs.
         runs: Vec<RunQuality>,

@@ -10,11 +10,11 @@ use std::f64::consts::TAU;
 pub struct Mode {
     /// Number from 1.
     pub number: usize,
-    /// Natural frequency of the declared beam on its declared support [Hz].
+    /// Natural frequency of the declared beam on its declared support (Hz).
     pub declared_hz: f64,
-    /// Measured natural frequency [Hz], where the file gives one.
+    /// Measured natural frequency (Hz), where the file gives one.
     pub measured_hz: Option<f64>,
-    /// Its standard deviation [Hz], where the file gives one.
+    /// Its standard deviation (Hz), where the file gives one.
     pub measured_std_hz: Option<f64>,
     /// Measured damping ratio, where the file gives one.
     pub damping_ratio: Option<f64>,

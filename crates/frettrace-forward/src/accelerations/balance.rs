@@ -55,15 +55,15 @@ pub(super) fn recover(e: &Evaluation<'_>) -> Vec<f64> {
 /// The balance of one run without a friction law: on each line one contact force, by least squares over the sensors.
 #[derive(Clone, Debug, Default)]
 pub struct Balance {
-    /// Contact force [N], one value a line.
+    /// Contact force (N), one value a line.
     pub force: Vec<Complex64>,
-    /// Standard deviation of its real and imaginary part [N].
+    /// Standard deviation of its real and imaginary part (N).
     pub force_deviation: Vec<f64>,
-    /// Loss of slip per unit contact force [m/N], one value a line.
+    /// Loss of slip per unit contact force (m/N), one value a line.
     pub slip_gain: Vec<Complex64>,
-    /// Slip that belongs to it [m].
+    /// Slip that belongs to it (m).
     pub slip: Vec<Complex64>,
-    /// Displacement of the end [m].
+    /// Displacement of the end (m).
     pub end: Vec<Complex64>,
     /// What no contact force explains, over its standard deviation: `[sensor][line]`.
     pub left: Vec<Vec<Complex64>>,
@@ -136,13 +136,13 @@ impl AccelerationModel {
 /// Two free forces on each line: at the contact and at the first port.
 #[derive(Clone, Debug, Default)]
 pub struct FreeForce {
-    /// Force at the port [N], one value a line; what resists positive motion is positive.
+    /// Force at the port (N), one value a line; what resists positive motion is positive.
     pub force: Vec<Complex64>,
-    /// Standard deviation of its real and imaginary part [N].
+    /// Standard deviation of its real and imaginary part (N).
     pub deviation: Vec<f64>,
-    /// Motion of the port [m].
+    /// Motion of the port (m).
     pub motion: Vec<Complex64>,
-    /// Friction force beside it [N].
+    /// Friction force beside it (N).
     pub contact: Vec<Complex64>,
     /// χ² of what both forces leave, and its degrees of freedom.
     pub chi_squared: (f64, usize),

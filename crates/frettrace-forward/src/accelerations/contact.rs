@@ -15,7 +15,7 @@ pub(super) struct Motion {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Contact<'a> {
     pub law: &'a ModifiedLaw<f64>,
-    /// Duration between two samples of the grid [s].
+    /// Duration between two samples of the grid (s).
     pub dt: f64,
     pub preload: f64,
     pub progress: f64,

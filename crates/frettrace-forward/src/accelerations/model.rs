@@ -299,13 +299,13 @@ impl AccelerationModel {
 /// Motion and force of the contact over one period, on the phase grid.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ContactHistory {
-    /// Slip [m].
+    /// Slip (m).
     pub slip: Vec<f64>,
-    /// Slip velocity [m/s].
+    /// Slip velocity (m/s).
     pub velocity: Vec<f64>,
-    /// Normal force [N].
+    /// Normal force (N).
     pub normal: Vec<f64>,
-    /// Friction force [N].
+    /// Friction force (N).
     pub force: Vec<f64>,
 }
 

@@ -24,7 +24,7 @@ pub enum PortLaw {
 /// Force and its derivatives.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PortForce {
-    /// Force [N].
+    /// Force (N).
     pub force: f64,
     /// `∂f/∂d`.
     pub stiffness: f64,

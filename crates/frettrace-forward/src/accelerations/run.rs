@@ -10,19 +10,19 @@ use num_complex::Complex64;
 /// What was measured in one run, on lines `h·omega`, `h = 0..=H`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunLines {
-    /// Base angular frequency [rad/s].
+    /// Base angular frequency (rad/s).
     pub omega: f64,
-    /// Preload [N].
+    /// Preload (N).
     pub preload: f64,
     /// Place between the first run (0) and the last (1).
     pub progress: f64,
-    /// Excitation force [N].
+    /// Excitation force (N).
     pub force: Vec<Complex64>,
-    /// Accelerations [m/s²], one vector of lines a sensor.
+    /// Accelerations (m/s²), one vector of lines a sensor.
     pub acceleration: Vec<Vec<Complex64>>,
-    /// Standard deviation of real and imaginary part of each line [m/s²].
+    /// Standard deviation of real and imaginary part of each line (m/s²).
     pub deviation: Vec<Vec<f64>>,
-    /// Lines of the force of a second support that is known from elsewhere [N]; empty where there is none.
+    /// Lines of the force of a second support that is known from elsewhere (N); empty where there is none.
     pub known_force: Vec<Complex64>,
     /// Order of the unknown contact forces, at least the order of the lines.
     pub contact_order: usize,

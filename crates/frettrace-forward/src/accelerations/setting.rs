@@ -11,13 +11,13 @@ pub struct Rig {
     pub beam: UniformBeam,
     /// Its ends with the friction removed; the support spring is finite.
     pub boundary: Boundary,
-    /// Position of the exciter [m].
+    /// Position of the exciter (m).
     pub exciter: f64,
-    /// Positions of the sensors [m].
+    /// Positions of the sensors (m).
     pub sensors: Vec<f64>,
-    /// Lever arm [m] where the contact turns with the end; `None` where it slides with it.
+    /// Lever arm (m) where the contact turns with the end; `None` where it slides with it.
     pub lever: Option<f64>,
-    /// Position of a second support whose force is known from elsewhere [m].
+    /// Position of a second support whose force is known from elsewhere (m).
     pub known_support: Option<f64>,
     /// Modes summed; the rest acts through its static flexibility.
     pub modes: usize,
@@ -26,7 +26,7 @@ pub struct Rig {
 /// Where a port acts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PortPlace {
-    /// Transverse displacement at a position [m].
+    /// Transverse displacement at a position (m).
     At(f64),
     /// The support itself: the transverse displacement of the end, with the contact's normal force.
     Support,
@@ -50,11 +50,11 @@ pub struct Port {
 pub struct SensorSetting {
     /// Gain.
     pub gain: f64,
-    /// Delay [s].
+    /// Delay (s).
     pub delay: f64,
-    /// Distance from the declared position [m].
+    /// Distance from the declared position (m).
     pub shift: f64,
-    /// Offset [m/s²].
+    /// Offset (m/s²).
     pub offset: f64,
 }
 
@@ -67,7 +67,7 @@ impl Default for SensorSetting {
 /// A value of the model that may be fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Quantity {
-    /// Natural frequency of a measured mode [rad/s].
+    /// Natural frequency of a measured mode (rad/s).
     ModeFrequency(usize),
     /// Damping ratio of a measured mode.
     ModeDamping(usize),
@@ -75,36 +75,36 @@ pub enum Quantity {
     Law(Hook),
     /// Coefficient of a port.
     Port(usize, usize),
-    /// Position of a port [m].
+    /// Position of a port (m).
     PortPosition(usize),
-    /// Mass added to the beam [kg].
+    /// Mass added to the beam (kg).
     AddedMass,
-    /// Its position [m].
+    /// Its position (m).
     MassPosition,
     /// Rotational compliance of the clamp over that of the beam, `EI/(k_c L)`.
     ClampCompliance,
     /// Relative change of all natural frequencies from the first run to the last.
     Drift,
-    /// Local compliance of the contact beside that of the modes [m/N].
+    /// Local compliance of the contact beside that of the modes (m/N).
     ContactCompliance,
-    /// Motion of the clamp per excitation force at the same line, real part [m/N].
+    /// Motion of the clamp per excitation force at the same line, real part (m/N).
     BaseReal,
     /// The same, imaginary part.
     BaseImaginary,
     /// Gain of a sensor.
     Gain(usize),
-    /// Delay of a sensor [s].
+    /// Delay of a sensor (s).
     Delay(usize),
-    /// Distance of a sensor from its declared position [m].
+    /// Distance of a sensor from its declared position (m).
     Shift(usize),
-    /// Offset of a sensor [m/s²].
+    /// Offset of a sensor (m/s²).
     Offset(usize),
 }
 
 /// All values of the model.
 #[derive(Clone, Debug)]
 pub struct Setting {
-    /// Natural frequencies of the measured modes [rad/s].
+    /// Natural frequencies of the measured modes (rad/s).
     pub frequency: Vec<f64>,
     /// Their damping ratios.
     pub damping: Vec<f64>,
@@ -114,15 +114,15 @@ pub struct Setting {
     pub modulation: usize,
     /// Memoryless forces on the structure.
     pub ports: Vec<Port>,
-    /// Added mass [kg] and its position [m].
+    /// Added mass (kg) and its position (m).
     pub mass: Option<[f64; 2]>,
     /// Rotational compliance of the clamp, `EI/(k_c L)`.
     pub clamp_compliance: f64,
     /// Relative change of all natural frequencies from the first run to the last.
     pub drift: f64,
-    /// Local compliance of the contact beside that of the modes [m/N].
+    /// Local compliance of the contact beside that of the modes (m/N).
     pub contact_compliance: f64,
-    /// Motion of the clamp per excitation force [m/N], real and imaginary part.
+    /// Motion of the clamp per excitation force (m/N), real and imaginary part.
     pub base: Option<[f64; 2]>,
     /// Sensors.
     pub sensors: Vec<SensorSetting>,

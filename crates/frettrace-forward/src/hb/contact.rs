@@ -57,9 +57,9 @@ pub trait Family: Sync {
 /// Where the normal force of a contact comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Normal {
-    /// Constant [N].
+    /// Constant (N).
     Constant(f64),
-    /// A channel: the normal force itself [N], or whatever the law takes for it (a gap [m]).
+    /// A channel: the normal force itself (N), or whatever the law takes for it (a gap (m)).
     Channel(usize),
 }
 

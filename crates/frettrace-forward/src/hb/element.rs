@@ -11,13 +11,13 @@ const CHUNK: usize = 8;
 /// Motion of a contact, sample by sample over one period.
 #[derive(Clone, Debug, Default)]
 pub struct Motion {
-    /// Slip `u` [m].
+    /// Slip `u` (m).
     pub slip: Vec<f64>,
-    /// Slip velocity `v` [m/s].
+    /// Slip velocity `v` (m/s).
     pub velocity: Vec<f64>,
-    /// Normal force `N` [N].
+    /// Normal force `N` (N).
     pub normal: Vec<f64>,
-    /// Duration of a step [s].
+    /// Duration of a step (s).
     pub dt: f64,
 }
 

@@ -6,8 +6,8 @@ use num_complex::Complex64;
 ///
 /// `x̂_c[h] = x̂0_c[h] − Σ_d G_cd[h] f̂_d[h]`,  `x(t) = Re Σ_h x̂_h e^{ihωt}`.
 ///
-/// A channel is whatever a contact reads: slip [m], the opening of a gap [m], or a normal force [N] (preload in line 0,
-/// `G` then in N/N). A force `f_d` [N] is positive when it resists positive motion of its own channel.
+/// A channel is whatever a contact reads: slip (m), the opening of a gap (m), or a normal force (N) (preload in line 0,
+/// `G` then in N/N). A force `f_d` (N) is positive when it resists positive motion of its own channel.
 /// Line 0 is real: its imaginary parts are ignored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lines {
@@ -20,7 +20,7 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// Lines `0..=order` of the base frequency `omega` [rad/s], all zero, to be filled in.
+    /// Lines `0..=order` of the base frequency `omega` (rad/s), all zero, to be filled in.
     #[must_use]
     pub fn zeros(omega: f64, order: usize, [channels, forces]: [usize; 2]) -> Self {
         let row = order + 1;
@@ -34,7 +34,7 @@ impl Lines {
         }
     }
 
-    /// Base angular frequency `ω = Ω/ν` [rad/s].
+    /// Base angular frequency `ω = Ω/ν` (rad/s).
     #[must_use]
     pub fn omega(&self) -> f64 {
         self.omega

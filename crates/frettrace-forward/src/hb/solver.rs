@@ -33,7 +33,7 @@ impl Default for Settings {
 /// Contact forces in balance with the structure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
-    /// Lines of the contact forces [N], `D × (H + 1)`, force by force.
+    /// Lines of the contact forces (N), `D × (H + 1)`, force by force.
     pub forces: Vec<Complex64>,
     /// How the solution ended.
     pub status: Status,

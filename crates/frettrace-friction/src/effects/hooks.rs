@@ -7,21 +7,21 @@ pub const HOOKS: usize = 37;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[repr(usize)]
 pub enum Hook {
-    /// Presliding stiffness over the normal force `σ0` [1/m].
+    /// Presliding stiffness over the normal force `σ0` (1/m).
     Sigma0,
     /// Kinetic friction coefficient `μ_k`.
     MuKinetic,
     /// Exponent `i` of Dahl's law.
     Exponent,
-    /// Presliding damping `σ1` [s/m].
+    /// Presliding damping `σ1` (s/m).
     Sigma1,
-    /// Velocity over which the presliding damping fades `v_d` [m/s].
+    /// Velocity over which the presliding damping fades `v_d` (m/s).
     DampingVelocity,
-    /// Viscous coefficient `σ2` [N·s/m].
+    /// Viscous coefficient `σ2` (N·s/m).
     Viscous,
     /// Rise of the friction coefficient towards rest `μ_s − μ_k`.
     StribeckRise,
-    /// Stribeck velocity `v_s` [m/s].
+    /// Stribeck velocity `v_s` (m/s).
     StribeckVelocity,
     /// Stribeck exponent `δ`.
     StribeckExponent,
@@ -39,7 +39,7 @@ pub enum Hook {
     FilmRise,
     /// Time constant with which the film breaks down \[s\].
     FilmFall,
-    /// Velocity at which the film is complete [m/s].
+    /// Velocity at which the film is complete (m/s).
     FilmVelocity,
     /// Gain of friction per e-fold of the contact's age, as a share of `μ`.
     AgeingGain,
@@ -47,7 +47,7 @@ pub enum Hook {
     AgeingDistance,
     /// Age from which strengthening is seen \[s\].
     AgeingTime,
-    /// Relative change of the friction coefficient with slip [1/m].
+    /// Relative change of the friction coefficient with slip (1/m).
     Position,
     /// The same, second order [1/m²].
     PositionSquare,
@@ -55,17 +55,17 @@ pub enum Hook {
     PeriodicCosine,
     /// Periodic change of the friction coefficient with slip: sine share.
     PeriodicSine,
-    /// Its wave number [rad/m].
+    /// Its wave number (rad/m).
     PeriodicNumber,
     /// Exponent `n` in `μ ∝ (N/N₀)^(−n)`.
     NormalExponent,
     /// Relative change of the friction coefficient from the first run to the last.
     Wear,
-    /// Compliance in series with the contact [m/N].
+    /// Compliance in series with the contact (m/N).
     SeriesCompliance,
-    /// Spring beside the contact [N/m].
+    /// Spring beside the contact (N/m).
     ParallelStiffness,
-    /// Cubic spring beside the contact [N/m³].
+    /// Cubic spring beside the contact (N/m³).
     ParallelCubic,
     /// Half the play of the contact \[m\].
     Backlash,

@@ -12,7 +12,7 @@ pub(super) fn decay_mean<T: Scalar>(x: T) -> T {
     }
 }
 
-/// Linear relaxation `db = (s·μ − b)·dE` while `μ` runs linearly in `E` from `mu[0]` to `mu[1]`:
+/// Linear relaxation `db = (s·μ − b)·dE` while `μ` runs linearly in `E` from `mu[0]` to `mu(1)`:
 /// `b₁ = e^{−E}b₀ + s[μ₁ − (μ₁ − μ₀)(1 − e^{−E})/E − μ₀e^{−E}]`.
 pub(super) fn relax<T: Scalar>(b: T, sign: f64, mu: [T; 2], e: T) -> T {
     let kept = (-e).exp();

@@ -45,7 +45,7 @@ use crate::{FrictionLaw, Scalar, Step, lift, positive_part};
 /// Parameters of the Bouc-Wen law.
 #[derive(Clone, Copy, Debug)]
 pub struct BoucWen<T> {
-    /// Initial stiffness per newton of normal force [1/m].
+    /// Initial stiffness per newton of normal force (1/m).
     pub sigma0: T,
     /// Friction coefficient.
     pub mu_k: T,

@@ -54,7 +54,7 @@ impl<T: Scalar> Coulomb<T> {
         [self.mu_k]
     }
 
-    /// The set the force \[N\] lies in at the slip velocity [m/s] and normal force \[N\]: one value in slip, an interval
+    /// The set the force \[N\] lies in at the slip velocity (m/s) and normal force \[N\]: one value in slip, an interval
     /// at rest.
     pub fn bounds(&self, velocity: T, normal: T) -> [T; 2] {
         let level = self.mu_k * positive_part(normal);

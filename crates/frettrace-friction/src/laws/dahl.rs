@@ -43,7 +43,7 @@ use crate::{Bristle, FrictionLaw, Saturation, Scalar, Step};
 /// Parameters of the Dahl law.
 #[derive(Clone, Copy, Debug)]
 pub struct Dahl<T> {
-    /// Bristle stiffness per newton of normal force [1/m].
+    /// Bristle stiffness per newton of normal force (1/m).
     pub sigma0: T,
     /// Friction coefficient.
     pub mu_k: T,

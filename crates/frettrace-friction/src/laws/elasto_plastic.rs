@@ -48,17 +48,17 @@ use crate::{Bristle, FrictionLaw, Saturation, Scalar, Steady, Step};
 /// Parameters of the elasto-plastic law.
 #[derive(Clone, Copy, Debug)]
 pub struct ElastoPlastic<T> {
-    /// Bristle stiffness per newton of normal force [1/m].
+    /// Bristle stiffness per newton of normal force (1/m).
     pub sigma0: T,
-    /// Presliding damping per newton of normal force [s/m].
+    /// Presliding damping per newton of normal force (s/m).
     pub sigma1: T,
-    /// Viscous damping [N·s/m].
+    /// Viscous damping (N·s/m).
     pub sigma2: T,
     /// Friction coefficient at rest.
     pub mu_s: T,
     /// Friction coefficient of fast slip.
     pub mu_k: T,
-    /// Stribeck velocity [m/s].
+    /// Stribeck velocity (m/s).
     pub v_s: T,
     /// Stribeck exponent.
     pub delta: T,

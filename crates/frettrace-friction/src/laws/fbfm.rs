@@ -48,7 +48,7 @@ pub struct Fbfm<T> {
     pub mu_s: T,
     /// Friction coefficient of sliding.
     pub mu_k: T,
-    /// Velocity below which the contact sticks [m/s].
+    /// Velocity below which the contact sticks (m/s).
     pub v_ref: T,
     /// Mass that moves with the contact \[kg\].
     pub moving_mass: T,

@@ -50,13 +50,13 @@ use crate::{Bristle, FrictionLaw, Scalar, Step};
 /// Parameters of the modified LuGre law.
 #[derive(Clone, Copy, Debug)]
 pub struct FilmLugre<T> {
-    /// Bristle stiffness per newton of normal force [1/m].
+    /// Bristle stiffness per newton of normal force (1/m).
     pub sigma0: T,
-    /// Presliding damping per newton of normal force [s/m].
+    /// Presliding damping per newton of normal force (s/m).
     pub sigma1: T,
     /// Film and Stribeck curve.
     pub film: Film<T>,
-    /// Viscous damping [N·s/m].
+    /// Viscous damping (N·s/m).
     pub sigma2: T,
     /// Time constant of the fluid's inertia \[s\].
     pub inertia: T,

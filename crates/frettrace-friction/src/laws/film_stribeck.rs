@@ -49,7 +49,7 @@ use crate::{FrictionLaw, Scalar, Step, positive_part};
 pub struct FilmStribeck<T> {
     /// Film and Stribeck curve.
     pub film: Film<T>,
-    /// Viscous damping [N·s/m].
+    /// Viscous damping (N·s/m).
     pub sigma2: T,
     /// Time constant of the fluid's inertia \[s\].
     pub inertia: T,

@@ -49,19 +49,19 @@ const ELEMENTS: usize = 4;
 /// Parameters of the generalised Maxwell-slip law.
 #[derive(Clone, Copy, Debug)]
 pub struct Gms<T> {
-    /// Stiffness of each element per newton of normal force [1/m].
+    /// Stiffness of each element per newton of normal force (1/m).
     pub stiffness: [T; ELEMENTS],
     /// Weight of each element; only their ratios count.
     pub weight: [T; ELEMENTS],
     /// Attraction to the Stribeck curve in slip [1/s].
     pub attraction: T,
-    /// Viscous damping [N·s/m].
+    /// Viscous damping (N·s/m).
     pub sigma2: T,
     /// Friction coefficient at rest.
     pub mu_s: T,
     /// Friction coefficient of fast slip.
     pub mu_k: T,
-    /// Stribeck velocity [m/s].
+    /// Stribeck velocity (m/s).
     pub v_s: T,
     /// Stribeck exponent.
     pub delta: T,

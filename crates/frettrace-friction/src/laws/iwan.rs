@@ -45,7 +45,7 @@ use crate::{FrictionLaw, Scalar, Step, positive_part};
 /// Parameters of the four-parameter Iwan law.
 #[derive(Clone, Copy, Debug)]
 pub struct Iwan<T> {
-    /// Stiffness per newton of normal force [1/m].
+    /// Stiffness per newton of normal force (1/m).
     pub sigma0: T,
     /// Friction coefficient.
     pub mu_k: T,

@@ -40,7 +40,7 @@ use crate::{FrictionLaw, Scalar, Step, positive_part};
 /// Parameters of the Jenkins element.
 #[derive(Clone, Copy, Debug)]
 pub struct Jenkins<T> {
-    /// Tangential stiffness [N/m].
+    /// Tangential stiffness (N/m).
     pub tangential_stiffness: T,
     /// Friction coefficient.
     pub mu_k: T,

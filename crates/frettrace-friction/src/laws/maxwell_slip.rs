@@ -40,7 +40,7 @@ use crate::{FrictionLaw, Scalar, Step, positive_part};
 /// Parameters of the Maxwell-slip law with `E` elements; the catalogue's has four.
 #[derive(Clone, Copy, Debug)]
 pub struct MaxwellSlip<T, const E: usize = 4> {
-    /// Stiffness of each element per newton of normal force [1/m].
+    /// Stiffness of each element per newton of normal force (1/m).
     pub stiffness: [T; E],
     /// Force of each element in slip per newton of normal force.
     pub limit: [T; E],

@@ -57,7 +57,7 @@ pub enum Shape {
 pub struct RegularisedCoulomb<T> {
     /// Friction coefficient.
     pub mu_k: T,
-    /// Velocity over which the sign turns [m/s].
+    /// Velocity over which the sign turns (m/s).
     pub v_ref: T,
     /// The curve.
     pub shape: Shape,

@@ -43,9 +43,9 @@ use crate::{FrictionLaw, Scalar, Step, Stroke, positive_part};
 /// Parameters of the spring-damper law.
 #[derive(Clone, Copy, Debug)]
 pub struct Sdfm<T> {
-    /// Stiffness in stick [N/m].
+    /// Stiffness in stick (N/m).
     pub tangential_stiffness: T,
-    /// Damping in stick [N·s/m].
+    /// Damping in stick (N·s/m).
     pub tangential_damping: T,
     /// Friction coefficient that ends stick.
     pub mu_s: T,

@@ -50,11 +50,11 @@ pub struct Stribeck<T> {
     pub mu_s: T,
     /// Friction coefficient of fast slip.
     pub mu_k: T,
-    /// Stribeck velocity [m/s].
+    /// Stribeck velocity (m/s).
     pub v_s: T,
     /// Stribeck exponent.
     pub delta: T,
-    /// Viscous damping [N·s/m].
+    /// Viscous damping (N·s/m).
     pub sigma2: T,
 }
 

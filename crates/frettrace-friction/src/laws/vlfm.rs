@@ -41,7 +41,7 @@ use crate::{FrictionLaw, Scalar, Step, positive_part, sign};
 pub struct Vlfm<T> {
     /// Friction coefficient.
     pub mu_k: T,
-    /// Velocity at which friction is full [m/s].
+    /// Velocity at which friction is full (m/s).
     pub v_ref: T,
 }
 

@@ -52,7 +52,7 @@ fn collect(source: &Source<'_>, path: &str, value: &Value, columns: &mut Vec<Col
     Ok(())
 }
 
-/// A list of rows: a column a place in the row, named `path[1]`, or `1` where there is no path.
+/// A list of rows: a column a place in the row, named `path(1)`, or `1` where there is no path.
 fn rows(source: &Source<'_>, path: &str, items: &[Value], columns: &mut Vec<Column>) -> Result<(), Error> {
     let width = items[0].as_array().map_or(0, Vec::len);
     let mut table = vec![Vec::with_capacity(items.len()); width];

@@ -20,7 +20,7 @@ struct Prepared {
     held_out: Vec<ContactHistory>,
     training_runs: Vec<String>,
     held_out_runs: Vec<String>,
-    /// Floor of the training part and of the held-out part [N], and where it comes from.
+    /// Floor of the training part and of the held-out part (N), and where it comes from.
     floor: [f64; 2],
     source: FloorSource,
     settings: ContactSettings,

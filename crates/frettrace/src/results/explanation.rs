@@ -39,7 +39,7 @@ pub struct Effect {
     /// Probability that it is there.
     #[serde(with = "number::scalar")]
     pub probability: f64,
-    /// Position on the beam [m], for effects that have one.
+    /// Position on the beam (m), for effects that have one.
     pub position_m: Option<f64>,
     /// Index of the sensor from 0, for effects of one channel.
     pub sensor: Option<usize>,
@@ -121,13 +121,13 @@ pub struct ContactLoop {
     /// Slip velocity; empty where it is not known.
     #[serde(with = "number::series", default)]
     pub slip_velocity: Vec<f64>,
-    /// Measured (recovered) friction force [N].
+    /// Measured (recovered) friction force (N).
     #[serde(with = "number::series")]
     pub measured: Vec<f64>,
-    /// Modelled by the declared model [N].
+    /// Modelled by the declared model (N).
     #[serde(with = "number::series")]
     pub before: Vec<f64>,
-    /// Modelled with the effects in it [N].
+    /// Modelled with the effects in it (N).
     #[serde(with = "number::series")]
     pub after: Vec<f64>,
 }
@@ -141,9 +141,9 @@ pub struct Waveform {
     pub label: String,
     /// Whether nothing was fitted to this run.
     pub held_out: bool,
-    /// What is shown, with its unit: `acceleration of sensor 3 [m/s²]`.
+    /// What is shown, with its unit: `acceleration of sensor 3 (m/s²)`.
     pub channel: String,
-    /// Time [s].
+    /// Time (s).
     #[serde(with = "number::series")]
     pub time: Vec<f64>,
     /// Measured.

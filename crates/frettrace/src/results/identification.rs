@@ -25,7 +25,7 @@ pub struct Estimate {
 /// A calibrated mode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModeEstimate {
-    /// Natural frequency [Hz].
+    /// Natural frequency (Hz).
     pub frequency: Estimate,
     /// Damping ratio.
     pub damping_ratio: Estimate,

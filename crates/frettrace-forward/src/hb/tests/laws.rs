@@ -3,7 +3,7 @@
 use crate::hb::{Family, Friction};
 use frettrace_friction::{FrictionLaw, Scalar, Step};
 
-/// Jenkins element: spring `k` [N/m] in series with a slider of limit `mu·N`.
+/// Jenkins element: spring `k` (N/m) in series with a slider of limit `mu·N`.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::hb) struct Jenkins {
     /// `k`, `mu`.
