@@ -33,10 +33,12 @@ fn mr_damper() -> anyhow::Result<Outcome> {
     measured("vargas_2021_mr_damper", &["convert"])
 }
 
-/// Where outside data lie: `FRETTRACE_DATA`, or beside the repository.
+/// Where outside data lie: `FRETTRACE_DATA` (or `measured` in it), or beside the repository.
 fn data() -> PathBuf {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/measured");
-    std::env::var_os("FRETTRACE_DATA").map_or(beside, PathBuf::from)
+    let folder = std::env::var_os("FRETTRACE_DATA").map_or(beside, PathBuf::from);
+    let inner = folder.join("measured");
+    if inner.is_dir() { inner } else { folder }
 }
 
 fn measured(set: &str, descriptions: &[&str]) -> anyhow::Result<Outcome> {
