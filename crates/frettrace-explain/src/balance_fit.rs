@@ -204,7 +204,7 @@ impl Study<'_> {
         let forms: Vec<(usize, StructureForm)> = ALL
             .iter()
             .enumerate()
-            .filter(|(index, _)| !taken.contains(index))
+            .filter(|(index, effect)| !taken.contains(index) && self.case.allows(effect.id()))
             .flat_map(|(index, effect)| {
                 effect
                     .structure_forms(self.case, setting, &self.scales)

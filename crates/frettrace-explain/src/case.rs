@@ -33,6 +33,8 @@ pub struct Case {
     pub modes: DeclaredModes,
     /// The declared law.
     pub law: Family,
+    /// Ids of effects that are left out of the search.
+    pub without: Vec<String>,
 }
 
 /// Sizes of the motion in the contact, from which starting values and ranges are scaled.
@@ -89,6 +91,11 @@ fn within(mut parameter: Parameter) -> Parameter {
 }
 
 impl Case {
+    /// Whether the effect may be looked for.
+    pub(crate) fn allows(&self, id: &str) -> bool {
+        self.without.iter().all(|left_out| left_out != id)
+    }
+
     /// The declared model at declared values, with a friction law to start from.
     #[must_use]
     pub fn setting(&self, law: ModifiedLaw<f64>) -> Setting {

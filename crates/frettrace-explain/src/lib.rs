@@ -13,6 +13,7 @@ mod unknown_force;
 mod verdict;
 
 pub use case::{Case, DeclaredModes, Scales, positive, signed};
+pub use effects::effect_ids;
 pub use fitting::{AccelerationFit, Unknown};
 pub use records::{RunRecord, RunSamples};
 pub use search::Explained;

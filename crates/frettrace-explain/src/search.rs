@@ -220,7 +220,7 @@ impl Study<'_> {
         let forms: Vec<(usize, ContactForm)> = ALL
             .iter()
             .enumerate()
-            .filter(|(index, _)| !taken.contains(index))
+            .filter(|(index, effect)| !taken.contains(index) && self.case.allows(effect.id()))
             .flat_map(|(index, effect): (usize, &&dyn Effect)| {
                 effect.contact_forms(&setting.law, &self.scales).into_iter().map(move |form| (index, form))
             })

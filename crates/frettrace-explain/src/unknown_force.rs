@@ -108,6 +108,7 @@ impl Study<'_> {
         for (id, law, used) in shapes(located.place) {
             forms.extend(regress(&histories, law, used).map(|(cost, c)| (cost, id, law, c, used.to_vec())));
         }
+        forms.retain(|(_, id, ..)| self.case.allows(id));
         forms.sort_by(|a, b| a.0.total_cmp(&b.0));
         forms.truncate(3);
         forms

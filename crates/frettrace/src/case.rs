@@ -31,7 +31,8 @@ pub fn case(measurement: &Measurement) -> Result<Case, StudyError> {
         records.push(record);
     }
     let law = Family::named(&measurement.support.law).unwrap_or(Family::Dahl);
-    let mut case = Case { rig: rig(measurement), records, modes: modes(measurement), law };
+    let mut case =
+        Case { rig: rig(measurement), records, modes: modes(measurement), law, without: Vec::new() };
     if let Some(second) = &measurement.second_support {
         case.know_support(second.position)?;
     }

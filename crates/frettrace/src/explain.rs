@@ -11,10 +11,12 @@ use frettrace_measurement::{Measurement, Recording};
 use std::collections::BTreeMap;
 
 /// How to explain.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ExplainOptions {
     /// Seed of every random draw.
     pub seed: u64,
+    /// Ids of effects that are not looked for: known to be absent, or left out to see what takes their place.
+    pub without: Vec<String>,
 }
 
 /// Explains a recording.
@@ -30,7 +32,8 @@ pub fn explain(
         return Err(StudyError::ContactRecord);
     };
     progress.start(2, "lines");
-    let case = case::case(measurement)?;
+    let mut case = case::case(measurement)?;
+    case.without.clone_from(&options.without);
     progress.step();
     let outcome = frettrace_explain::explain(&case)?;
     progress.finish();

@@ -150,6 +150,11 @@ pub(crate) trait Effect: Sync {
     }
 }
 
+/// Ids of all effects.
+pub fn effect_ids() -> impl Iterator<Item = &'static str> {
+    ALL.iter().map(|effect| effect.id())
+}
+
 /// Every effect.
 pub(crate) const ALL: [&dyn Effect; 34] = [
     &friction_stribeck::FrictionStribeck,

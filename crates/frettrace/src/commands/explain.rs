@@ -1,7 +1,7 @@
 //! `frettrace explain`.
 
 use super::{Session, tables};
-use clap::Args;
+use clap::{Args, builder::PossibleValuesParser};
 use frettrace::{
     explain::{ExplainOptions, explain},
     report::{html, words},
@@ -24,11 +24,15 @@ pub struct Arguments {
     /// Report for a person who decides: one HTML file that works offline
     #[arg(long)]
     report: Option<PathBuf>,
+    /// Effects that are not looked for, by their ids
+    #[arg(long, value_name = "ID", value_delimiter = ',', value_parser = PossibleValuesParser::new(frettrace_explain::effect_ids()))]
+    without: Vec<String>,
 }
 
 pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
     let recording = frettrace_measurement::read(&arguments.file)?;
-    let found = explain(&recording, &ExplainOptions::default(), &session.progress)?;
+    let options = ExplainOptions { without: arguments.without.clone(), ..ExplainOptions::default() };
+    let found = explain(&recording, &options, &session.progress)?;
     if let Some(path) = &arguments.output {
         store::write_text(path, &store::to_json(path, &found)?)?;
     }
