@@ -54,3 +54,28 @@ fn no_code_is_written_in_the_book() {
         }
     }
 }
+
+/// The table of effects says of each candidate what the candidate's own file says.
+#[test]
+fn effects_are_those_of_the_candidates() {
+    let table = fs::read_to_string(Path::new(BOOK).join("effects.md")).unwrap().replace("\\|", "|");
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../crates/frettrace-explain/src/effects");
+    let mut compared = 0;
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let Ok(code) = fs::read_to_string(&path) else { continue };
+        let Some(id) = code.strip_prefix("//! `").and_then(|rest| rest.split('`').next()) else { continue };
+        let said: Vec<&str> = ["*Adds*: ", "*Shows as*: "]
+            .iter()
+            .filter_map(|head| code.split(head).nth(1)?.split("\n//!\n").next())
+            .collect();
+        assert_eq!(said.len(), 2, "{}", path.display());
+        for text in said {
+            let text = text.replace("\n//! ", " ");
+            assert!(table.contains(text.trim_end_matches('.')), "{id}: {text}");
+        }
+        assert!(table.contains(&format!("| `{id}` |")), "{id}");
+        compared += 1;
+    }
+    assert_eq!(table.matches("\n| `").count(), compared);
+}
