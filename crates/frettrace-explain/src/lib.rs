@@ -4,6 +4,7 @@ mod balance_fit;
 mod case;
 mod contact_fit;
 pub(crate) mod effects;
+mod exhibit;
 mod fitting;
 mod records;
 pub(crate) mod search;
@@ -14,6 +15,7 @@ mod verdict;
 
 pub use case::{Case, DeclaredModes, Scales, positive, signed};
 pub use effects::effect_ids;
+pub use exhibit::{Exhibit, Loop, exhibits};
 pub use fitting::{AccelerationFit, Unknown};
 pub use records::{RunRecord, RunSamples};
 pub use search::Explained;

@@ -36,8 +36,10 @@ pub fn explain(
     case.without.clone_from(&options.without);
     progress.step();
     let outcome = frettrace_explain::explain(&case)?;
+    let shown = frettrace_explain::exhibits(&case, &outcome)?;
     progress.finish();
-    Ok(explanation(measurement, options, &outcome))
+    let exhibits = crate::exhibits::exhibits(measurement, &shown, &outcome.runs[1]);
+    Ok(Explanation { exhibits, ..explanation(measurement, options, &outcome) })
 }
 
 fn explanation(measurement: &Measurement, options: &ExplainOptions, outcome: &Outcome) -> Explanation {

@@ -19,6 +19,7 @@
 
 pub mod case;
 mod error;
+mod exhibits;
 pub mod explain;
 pub mod hypotheses;
 pub mod identify;

@@ -1,7 +1,7 @@
 //! The figures of an explanation.
 
 use super::chart::{Chart, Curve, Ink, Role};
-use crate::results::{ContactLoop, Explanation, ResidualShape, Waveform};
+use crate::results::{ContactCurve, ContactLoop, Explanation, ResidualShape, Waveform};
 
 /// One figure.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -35,29 +35,28 @@ fn closed(values: &[f64]) -> Vec<f64> {
 }
 
 fn contact_loop(run: &ContactLoop, ink: Ink) -> Vec<Figure> {
-    let [measured, before, after] = [&run.measured, &run.before, &run.after].map(|force| closed(force));
-    let draw = |name: &str, x: &[f64], x_label: &str| {
-        let curve = |name, role, y| Curve { name, role, x, y };
+    let draw = |name: &str, x_label: &str, of: fn(&ContactCurve) -> &[f64]| {
+        let named = [
+            ("recovered", Role::Measured, &run.measured),
+            ("declared model", Role::Before, &run.before),
+            ("with the effects", Role::After, &run.after),
+        ];
+        let points = named.map(|(_, _, curve)| (closed(of(curve)), closed(&curve.force)));
+        let curves =
+            named.iter().zip(&points).map(|((name, role, _), (x, y))| Curve { name, role: *role, x, y });
         let chart = Chart {
             title: &title("Friction", &run.run, &run.label, run.held_out),
             x_label,
             y_label: "friction force [N]",
             logarithmic: false,
-            curves: vec![
-                curve("measured", Role::Measured, &measured),
-                curve("declared model", Role::Before, &before),
-                curve("with the effects", Role::After, &after),
-            ],
+            curves: curves.collect(),
         };
         Figure { name: format!("{name}-{}", run.run), section: "Friction loops", svg: chart.svg(ink) }
     };
-    let mut drawn = vec![draw("loop", &closed(&run.slip), &format!("slip [{}]", run.slip_unit))];
-    if !run.slip_velocity.is_empty() {
-        drawn.push(draw(
-            "velocity",
-            &closed(&run.slip_velocity),
-            &format!("slip velocity [{}/s]", run.slip_unit),
-        ));
+    let mut drawn = vec![draw("loop", &format!("slip [{}]", run.slip_unit), |curve| &curve.slip)];
+    if !run.measured.slip_velocity.is_empty() {
+        let label = format!("slip velocity [{}/s]", run.slip_unit);
+        drawn.push(draw("velocity", &label, |curve| &curve.slip_velocity));
     }
     drawn
 }

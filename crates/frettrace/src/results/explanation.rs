@@ -104,6 +104,20 @@ pub struct ResidualShape {
     pub after: Vec<f64>,
 }
 
+/// One period of a contact, means removed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ContactCurve {
+    /// Slip.
+    #[serde(with = "number::series")]
+    pub slip: Vec<f64>,
+    /// Slip velocity; empty where it is not known.
+    #[serde(with = "number::series", default)]
+    pub slip_velocity: Vec<f64>,
+    /// Friction force (N).
+    #[serde(with = "number::series")]
+    pub force: Vec<f64>,
+}
+
 /// Friction force against slip over one period of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactLoop {
@@ -115,21 +129,12 @@ pub struct ContactLoop {
     pub held_out: bool,
     /// Unit of the slip.
     pub slip_unit: String,
-    /// Slip.
-    #[serde(with = "number::series")]
-    pub slip: Vec<f64>,
-    /// Slip velocity; empty where it is not known.
-    #[serde(with = "number::series", default)]
-    pub slip_velocity: Vec<f64>,
-    /// Measured (recovered) friction force (N).
-    #[serde(with = "number::series")]
-    pub measured: Vec<f64>,
-    /// Modelled by the declared model (N).
-    #[serde(with = "number::series")]
-    pub before: Vec<f64>,
-    /// Modelled with the effects in it (N).
-    #[serde(with = "number::series")]
-    pub after: Vec<f64>,
+    /// Measured, or recovered without a law.
+    pub measured: ContactCurve,
+    /// As the declared model has it.
+    pub before: ContactCurve,
+    /// As the model with the effects has it.
+    pub after: ContactCurve,
 }
 
 /// One channel over one period of a run.

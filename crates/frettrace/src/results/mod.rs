@@ -7,7 +7,7 @@ mod identification;
 mod number;
 
 pub use explanation::{
-    BeforeAfter, Candidate, ContactLoop, Effect, Exhibits, Explanation, Place, ResidualShape, Verdict,
+    BeforeAfter, Candidate, ContactCurve, ContactLoop, Effect, Exhibits, Explanation, Place, ResidualShape, Verdict,
     Waveform,
 };
 pub use identification::{

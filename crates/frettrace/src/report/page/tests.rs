@@ -1,5 +1,5 @@
 use super::*;
-use crate::results::{Candidate, ContactLoop, Effect, Exhibits, Waveform};
+use crate::results::{Candidate, ContactCurve, ContactLoop, Effect, Exhibits, Waveform};
 
 fn found() -> Explanation {
     let x: Vec<f64> = (0..64).map(|k| f64::from(k) * 0.1).collect();
@@ -7,11 +7,7 @@ fn found() -> Explanation {
     let contact = ContactLoop {
         run: "0003".into(),
         slip_unit: "m".into(),
-        slip: x.clone(),
-        slip_velocity: x.clone(),
-        measured: y.clone(),
-        before: y.clone(),
-        after: y.clone(),
+        measured: ContactCurve { slip: x.clone(), slip_velocity: x.clone(), force: y.clone() },
         ..ContactLoop::default()
     };
     let waveform = Waveform {
