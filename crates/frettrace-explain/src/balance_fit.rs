@@ -3,7 +3,7 @@
 use crate::effects::{ALL, StructureForm};
 use crate::study::merge;
 use crate::{Study, Unknown};
-use frettrace_forward::accelerations::{AccelerationModel, Balance, Quantity, Setting};
+use frettrace_forward::accelerations::{AccelerationModel, Balance, Beside, Quantity, Setting};
 use frettrace_identify::{FitSettings, Model, NoSolution, Parameter, Transform, fit};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -15,6 +15,7 @@ pub(crate) struct BalanceProblem<'a> {
     setting: Setting,
     quantities: Vec<Quantity>,
     parameters: Vec<Parameter>,
+    beside: Beside,
 }
 
 /// A structure form on the balance, with what it costs.
@@ -38,6 +39,7 @@ impl<'a> BalanceProblem<'a> {
             setting,
             quantities: unknowns.iter().map(|u| u.quantity).collect(),
             parameters: unknowns.iter().map(|u| u.parameter.clone()).collect(),
+            beside: Beside::Nothing,
         }
     }
 
@@ -83,7 +85,8 @@ impl Model for BalanceProblem<'_> {
     fn memory(&self) {}
 
     fn residual(&self, values: &[f64], _memory: &mut (), residual: &mut [f64]) -> Result<(), NoSolution> {
-        let balances = self.model.balance(&self.at(values), self.runs).map_err(|_| NoSolution)?;
+        let balances =
+            self.model.balance_beside(&self.at(values), self.runs, self.beside).map_err(|_| NoSolution)?;
         flatten(&balances, residual);
         if residual.iter().all(|r| r.is_finite()) { Ok(()) } else { Err(NoSolution) }
     }
@@ -161,6 +164,15 @@ impl Study<'_> {
         let form = StructureForm { setting: setting.clone(), unknowns: Vec::new(), sensor: None };
         let unknowns = merge(&self.structure_unknowns(), added);
         self.balance_fit(usize::MAX, &form, &unknowns, 6)
+    }
+
+    /// The structure calibrated on what every force at the port of a setting leaves of the balance.
+    pub(crate) fn calibrated_beside(&self, setting: &Setting) -> Setting {
+        let unknowns = self.structure_unknowns();
+        let mut problem = BalanceProblem::new(self, setting.clone(), &unknowns);
+        problem.beside = Beside::Ports;
+        let settings = FitSettings { max_iterations: 4, relative_tolerance: 1e-3, ..FitSettings::default() };
+        fit(&problem, &problem.start(), &settings).map_or_else(|_| setting.clone(), |f| problem.at(&f.values))
     }
 
     fn balance_fit(

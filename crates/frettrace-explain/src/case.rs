@@ -3,7 +3,7 @@
 use crate::{ExplainError, RunRecord, Unknown};
 use frettrace_beam::{ModalModel, ModalOptions};
 use frettrace_forward::accelerations::{
-    AccelerationModel, COEFFICIENTS, Port, PortLaw, PortPlace, Quantity, Rig, SensorSetting, Setting,
+    AccelerationModel, Beside, COEFFICIENTS, Port, PortLaw, PortPlace, Quantity, Rig, SensorSetting, Setting,
 };
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 use frettrace_identify::contact::Family;
@@ -126,8 +126,10 @@ impl Case {
         let lines = self.records.iter().map(|r| r.lines.clone()).collect();
         let model = AccelerationModel::new(self.rig.clone(), lines)?;
         let runs: Vec<usize> = (0..self.records.len()).collect();
-        for (record, found) in self.records.iter_mut().zip(model.free_force(&setting, &runs)?) {
-            record.lines.known_force = found.force;
+        for (record, found) in
+            self.records.iter_mut().zip(model.balance_beside(&setting, &runs, Beside::Ports)?)
+        {
+            record.lines.known_force = found.beside.into_iter().next().unwrap_or_default();
         }
         self.rig.known_support = Some(position);
         Ok(())

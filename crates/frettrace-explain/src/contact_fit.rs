@@ -239,11 +239,7 @@ pub(crate) fn recover(
     sigma0: f64,
 ) -> Result<Vec<Recovered>, AccelerationError> {
     let runs: Vec<usize> = selected.iter().map(|s| s.0).collect();
-    let balances = if setting.ports.is_empty() {
-        model.balance(setting, &runs)?
-    } else {
-        model.balance_beside_port(setting, &runs)?
-    };
+    let balances = model.balance(setting, &runs)?;
     selected
         .iter()
         .zip(&balances)

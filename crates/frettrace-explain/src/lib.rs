@@ -6,6 +6,7 @@ mod contact_fit;
 pub(crate) mod effects;
 mod exhibit;
 mod fitting;
+mod force_laws;
 mod records;
 pub(crate) mod search;
 mod start;

@@ -219,15 +219,25 @@ impl Search<'_> {
         Some(found.swap_remove(simpler.unwrap_or(0)))
     }
 
+    /// Where structure effects start from: what was declared, or the model that already holds effects. A base fit of a law to
+    /// an open balance bends the structure to what is missing.
+    fn structural_start(&self, current: &Explained) -> Setting {
+        if current.effects.is_empty() {
+            self.study.case.setting(current.fitted.setting.law)
+        } else {
+            current.fitted.setting.clone()
+        }
+    }
+
     fn structure_round(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {
         let structural: Vec<Unknown> = current.added.iter().filter(|u| !is_law(u)).cloned().collect();
-        let setting = current.fitted.setting.clone();
+        let setting = self.structural_start(current);
         let plain = self.study.balance_base(&setting, &structural);
         let mut candidates = self.study.balance_candidates(&setting, &structural, &current.effects);
-        let best = candidates.first().map_or(f64::INFINITY, |c| c.reduced);
-        if best > BALANCE_CLOSED && setting.ports.is_empty() {
-            candidates.splice(0..0, self.study.force_candidates(&setting, best));
+        if setting.ports.is_empty() {
+            candidates.extend(self.study.force_candidates(&setting, plain.criterion));
         }
+        candidates.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
         self.tried.extend(candidates.iter().map(|c| Tried {
             id: ALL[c.effect].id(),
             error: f64::NAN,

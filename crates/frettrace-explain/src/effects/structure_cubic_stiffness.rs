@@ -30,6 +30,10 @@ impl Effect for StructureCubicStiffness {
     }
 
     fn structure_forms(&self, case: &Case, setting: &Setting, scales: &Scales) -> Vec<StructureForm> {
+        if case.rig.sensors.len() > 2 {
+            // The force is located without its law, and the law read off it.
+            return Vec::new();
+        }
         let modes = setting.frequency.len().min(2);
         let port = |place| Port { place, law: PortLaw::Polynomial, coefficients: [0.0; COEFFICIENTS] };
         let mut forms: Vec<StructureForm> = Vec::new();

@@ -30,6 +30,10 @@ impl Effect for StructureSecondSupport {
     }
 
     fn structure_forms(&self, case: &Case, setting: &Setting, scales: &Scales) -> Vec<StructureForm> {
+        if case.rig.sensors.len() > 2 {
+            // The force is located without its law, and the law read off it.
+            return Vec::new();
+        }
         let port = |place| Port { place, law: PortLaw::Polynomial, coefficients: [0.0; COEFFICIENTS] };
         [0.15, 0.3, 0.45, 0.6, 0.75, 0.9]
             .map(|share| {

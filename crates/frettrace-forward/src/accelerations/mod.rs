@@ -7,6 +7,7 @@
 
 mod balance;
 mod contact;
+mod least_squares;
 mod linear;
 mod model;
 mod ports;
@@ -14,7 +15,7 @@ mod run;
 mod setting;
 mod structure;
 
-pub use balance::{Balance, FreeForce};
+pub use balance::{Balance, Beside};
 pub use model::{
     AccelerationError, AccelerationModel, ContactHistory, Linearised, Memory, Prediction, RunMemory,
 };

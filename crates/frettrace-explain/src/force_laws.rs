@@ -1,0 +1,229 @@
+//! Laws of a recovered force: line by line against what they answer to the recovered motion.
+
+use frettrace_forward::accelerations::{Balance, COEFFICIENTS, PortLaw, PortPlace};
+use frettrace_fourier::Grid;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
+
+/// Samples of a period on which laws of the force are tried.
+const SAMPLES: usize = 512;
+/// Lines of the force that are used.
+const LINES: usize = 48;
+/// Relative accuracy of a recovered force: what is left of the structure's errors.
+const RELATIVE_ACCURACY: f64 = 5e-4;
+/// Thresholds tried between nothing and the largest motion.
+const THRESHOLDS: usize = 24;
+
+/// A law that a force may follow.
+pub(crate) struct Shape {
+    /// The effect it speaks for.
+    pub id: &'static str,
+    pub law: PortLaw,
+    /// Coefficients that are fitted.
+    pub free: &'static [usize],
+    /// Coefficients that enter linearly.
+    linear: &'static [usize],
+    /// The side of a stop.
+    side: f64,
+}
+
+/// Laws a force at a place may follow.
+pub(crate) fn shapes(place: PortPlace) -> Vec<Shape> {
+    let polynomial =
+        |id, free: &'static [usize]| Shape { id, law: PortLaw::Polynomial, free, linear: free, side: 0.0 };
+    let support = |law, free, linear, side| Shape { id: "structure.second-support", law, free, linear, side };
+    let smooth =
+        [polynomial("structure.cubic-stiffness", &[2]), polynomial("structure.quadratic-damping", &[3])];
+    match place {
+        PortPlace::Mode(_) => smooth.into(),
+        PortPlace::At(_) => smooth
+            .into_iter()
+            .chain([
+                polynomial("structure.second-support", &[0, 1]),
+                polynomial("structure.second-support", &[0, 1, 2]),
+                support(PortLaw::Gap, &[0, 1, 2], &[0, 2], 0.0),
+                support(PortLaw::Stop, &[0, 1, 2], &[0, 2], 1.0),
+                support(PortLaw::Stop, &[0, 1, 2], &[0, 2], -1.0),
+                support(PortLaw::Friction, &[0, 1, 2], &[0, 2], 0.0),
+            ])
+            .collect(),
+        PortPlace::Support => vec![Shape {
+            id: "contact.normal-stiffening",
+            law: PortLaw::Stiffening,
+            free: &[0, 1],
+            linear: &[0, 1],
+            side: 0.0,
+        }],
+    }
+}
+
+/// Name and unit of each coefficient of a law; modal ones act on a coordinate in m·√kg.
+pub(crate) fn names(law: PortLaw, modal: bool) -> [(&'static str, &'static str); COEFFICIENTS] {
+    match (law, modal) {
+        (PortLaw::Polynomial, true) => [
+            ("modal_stiffness", "1/s^2"),
+            ("modal_damping", "1/s"),
+            ("modal_cube", "1/(s^2·m^2·kg)"),
+            ("modal_square_damping", "1/(m·√kg)"),
+        ],
+        (PortLaw::Polynomial, false) => [
+            ("stiffness", "N/m"),
+            ("damping", "N·s/m"),
+            ("cubic_stiffness", "N/m^3"),
+            ("quadratic_damping", "N·s^2/m^2"),
+        ],
+        (PortLaw::Stiffening, _) => {
+            [("quadratic_stiffness", "N/m^2"), ("cubic_stiffness", "N/m^3"), NONE, NONE]
+        }
+        (PortLaw::Friction, _) => {
+            [("friction_force", "N"), ("transition_velocity", "m/s"), ("stiffness", "N/m"), NONE]
+        }
+        (PortLaw::LiftOff, _) => [("stiffness", "N/m"), ("preload", "N"), NONE, NONE],
+        (PortLaw::Gap | PortLaw::Stop, _) => {
+            [("stiffness", "N/m"), ("gap", "m"), ("damping", "N·s/m"), ("side", "1")]
+        }
+    }
+}
+
+const NONE: (&str, &str) = ("", "");
+
+/// Recovered motion and force of one run.
+pub(crate) struct History {
+    displacement: Vec<f64>,
+    velocity: Vec<f64>,
+    /// Lines `1..=H` of the force over their standard deviations.
+    force: Vec<Complex64>,
+    /// Their standard deviations.
+    deviation: Vec<f64>,
+    grid: Grid,
+}
+
+impl History {
+    /// Motion and force of the last port of a balance with free ports; `None` where it has none.
+    pub fn new(balance: &Balance, omega: f64) -> Option<Self> {
+        let (force, std) = (balance.beside.last()?, balance.beside_deviation.last()?);
+        let (motion, gain) = (balance.motion.last()?, balance.motion_gain.last()?);
+        let order = force.len().saturating_sub(1).min(LINES);
+        let grid = Grid::new(order, SAMPLES).ok()?;
+        let mut scratch = grid.scratch();
+        let mut sampled = |of: &dyn Fn(usize) -> Complex64| {
+            let lines: Vec<Complex64> = (0..=order).map(of).collect();
+            let mut out = vec![0.0; SAMPLES];
+            grid.evaluate(&lines, &mut out, &mut scratch);
+            out
+        };
+        let displacement = sampled(&|h| motion[h]);
+        let velocity = sampled(&|h| motion[h] * Complex64::new(0.0, h as f64 * omega));
+        let peak = force.iter().map(|f| f.norm()).fold(0.0, f64::max);
+        let widest = motion.iter().map(|d| d.norm()).fold(0.0, f64::max);
+        // An error of the force moves the motion by the receptance, and that moves the law's answer by its stiffness.
+        let stiffness = peak / widest.max(f64::MIN_POSITIVE);
+        let deviation: Vec<f64> = (1..=order)
+            .map(|h| {
+                let known = std[h] * (1.0 + stiffness * gain[h].norm());
+                known.hypot(RELATIVE_ACCURACY * peak / h as f64)
+            })
+            .collect();
+        let force = (1..=order).map(|h| force[h] / deviation[h - 1]).collect();
+        Some(Self { displacement, velocity, force, deviation, grid })
+    }
+
+    /// Real values that a law is compared with.
+    pub fn count(&self) -> usize {
+        2 * self.force.len()
+    }
+
+    /// Lines of the sensitivities of a law to its coefficients, over the standard deviations.
+    fn columns(&self, law: PortLaw, at: &[f64; COEFFICIENTS], linear: &[usize]) -> Vec<Vec<Complex64>> {
+        let slopes: Vec<[f64; COEFFICIENTS]> = (self.displacement.iter().zip(&self.velocity))
+            .map(|(d, v)| law.force(at, *d, *v).coefficients)
+            .collect();
+        let mut scratch = self.grid.scratch();
+        let mut lines = vec![Complex64::ZERO; self.force.len() + 1];
+        linear
+            .iter()
+            .map(|&k| {
+                let values: Vec<f64> = slopes.iter().map(|s| s[k]).collect();
+                self.grid.project(&values, &mut lines, &mut scratch);
+                lines[1..].iter().zip(&self.deviation).map(|(l, d)| l / d).collect()
+            })
+            .collect()
+    }
+}
+
+/// What a law makes of recovered forces.
+pub(crate) struct Answer {
+    /// χ² of recovered minus answered force.
+    pub chi: f64,
+    pub coefficients: [f64; COEFFICIENTS],
+}
+
+/// Coefficients of a law on recovered histories; `None` where it cannot be fitted.
+pub(crate) fn regress(histories: &[History], shape: &Shape) -> Option<Answer> {
+    let widest = |of: &dyn Fn(&History) -> &Vec<f64>| {
+        histories.iter().flat_map(|h| of(h).iter()).fold(0.0, |m: f64, x| m.max(x.abs()))
+    };
+    let reach = match shape.law {
+        PortLaw::Gap | PortLaw::Stop => widest(&|h| &h.displacement),
+        PortLaw::Friction => widest(&|h| &h.velocity),
+        _ => return linear_fit(histories, shape, 0.0),
+    };
+    // A threshold by scan over a ladder of sizes, then by golden section between the neighbours of the best.
+    let ladder: Vec<f64> = (0..THRESHOLDS).map(|k| reach * 0.97 * (0.82_f64).powi(k as i32)).collect();
+    let chi = |c: f64| linear_fit(histories, shape, c).map_or(f64::INFINITY, |a| a.chi);
+    let values: Vec<f64> = ladder.iter().map(|&c| chi(c)).collect();
+    let best = (0..THRESHOLDS).min_by(|&a, &b| values[a].total_cmp(&values[b]))?;
+    let (mut low, mut high) = (ladder[(best + 1).min(THRESHOLDS - 1)], ladder[best.saturating_sub(1)]);
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    for _ in 0..12 {
+        let (a, b) = (high - golden * (high - low), low + golden * (high - low));
+        if chi(a) < chi(b) {
+            high = b;
+        } else {
+            low = a;
+        }
+    }
+    let refined = linear_fit(histories, shape, 0.5 * (low + high));
+    let plain = linear_fit(histories, shape, ladder[best]);
+    [refined, plain].into_iter().flatten().min_by(|a, b| a.chi.total_cmp(&b.chi))
+}
+
+/// Linear coefficients by least squares at a threshold.
+fn linear_fit(histories: &[History], shape: &Shape, threshold: f64) -> Option<Answer> {
+    let mut at = [1.0, threshold, 0.0, shape.side];
+    if !matches!(shape.law, PortLaw::Gap | PortLaw::Stop | PortLaw::Friction) {
+        at = [0.0; COEFFICIENTS];
+    }
+    let rows: usize = histories.iter().map(History::count).sum();
+    let width = shape.linear.len();
+    let mut matrix = DMatrix::zeros(rows, width);
+    let mut right = DVector::zeros(rows);
+    let mut row = 0;
+    for history in histories {
+        let columns = history.columns(shape.law, &at, shape.linear);
+        for (h, force) in history.force.iter().enumerate() {
+            right[row] = force.re;
+            right[row + 1] = force.im;
+            for (c, column) in columns.iter().enumerate() {
+                matrix[(row, c)] = column[h].re;
+                matrix[(row + 1, c)] = column[h].im;
+            }
+            row += 2;
+        }
+    }
+    let scale: Vec<f64> = (0..width).map(|c| matrix.column(c).norm()).collect();
+    if scale.iter().any(|s| !s.is_finite() || *s <= 0.0) {
+        return None;
+    }
+    for (c, s) in scale.iter().enumerate() {
+        matrix.column_mut(c).unscale_mut(*s);
+    }
+    let normal = matrix.transpose() * &matrix + DMatrix::from_diagonal_element(width, width, 1e-12);
+    let solution = normal.cholesky()?.solve(&(matrix.transpose() * &right));
+    let chi = (&right - &matrix * &solution).norm_squared();
+    let mut coefficients = at;
+    for (c, &k) in shape.linear.iter().enumerate() {
+        coefficients[k] = solution[c] / scale[c];
+    }
+    Some(Answer { chi, coefficients })
+}
