@@ -11,6 +11,7 @@ mod hdf5;
 mod measurement;
 pub mod quality;
 mod read;
+mod response;
 mod results;
 mod units;
 mod write;
@@ -24,6 +25,7 @@ pub use measurement::{
     SlipKind, SlipUnit, Source, Support,
 };
 pub use read::{LAWS, Recording, read, read_contact_record, read_measurement};
+pub use response::{ResponseBackbone, ResponseFile, ResponseLevel, write_response};
 pub use results::{
     Coefficients, Estimate, Form, HarmonicTable, ReconstructedRun, Reconstruction, write_reconstruction,
 };

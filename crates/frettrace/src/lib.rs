@@ -13,6 +13,7 @@
 //! | [`reconstruct`] | contact forces and slip, by the inverse |
 //! | [`results`] | what `identify` and `explain` find, exactly as their JSON files |
 //! | [`report`] | the findings in words, figures and one HTML page |
+//! | [`response`] | frequency responses of a rig over levels, with stability and backbone |
 //! | [`rig`] | RIG.toml, what a simulation is made from |
 //! | [`simulate`] | a rig to a measurement with its truth |
 //! | [`store`] | results written beside their place, then renamed |
@@ -28,6 +29,7 @@ pub mod modes;
 mod progress;
 pub mod reconstruct;
 pub mod report;
+pub mod response;
 pub mod results;
 pub mod rig;
 pub mod simulate;

@@ -90,7 +90,7 @@ fn declared_modes(rig: &Rig, boundary: &Boundary, count: usize) -> Result<[Vec<f
 }
 
 /// The rig with all its effects.
-fn simulated_rig(rig: &Rig) -> Result<SimulatedRig, StudyError> {
+pub(crate) fn simulated_rig(rig: &Rig) -> Result<SimulatedRig, StudyError> {
     let count = rig.modes.declared.max(20);
     let [natural_frequency, damping_ratio] = declared_modes(rig, &boundary(rig), count)?;
     let chain = Chain {

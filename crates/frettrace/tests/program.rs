@@ -90,3 +90,30 @@ fn the_demonstration_finds_what_was_hidden() {
     let hidden = include_str!("../../../data/demo/rig.toml").split("id = \"").nth(1).unwrap();
     assert!(printed.contains(hidden.split('"').next().unwrap()));
 }
+
+/// The demonstration's rig over its eight levels: the file, one figure a sensor and two more, and a resonance that softens.
+#[test]
+fn the_response_of_a_rig_is_written_and_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name).display().to_string();
+    let rig = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/demo/rig.toml");
+    let (file, figures) = (place("response.h5"), place("figures"));
+    let output = frettrace(&["response", rig, "-o", &file, "--figures", &figures, "--json"]).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let levels = answer["levels"].as_array().unwrap();
+    assert_eq!(levels.len(), 8);
+    let resonance = |level: &serde_json::Value| {
+        let points = level["points"].as_array().unwrap();
+        let slip = |point: &serde_json::Value| point["slip_m"].as_f64().unwrap();
+        let largest = points.iter().max_by(|a, b| slip(a).total_cmp(&slip(b))).unwrap();
+        largest["frequency_hz"].as_f64().unwrap()
+    };
+    assert!(levels.iter().all(|level| level["status"] == "finished"));
+    assert!(resonance(&levels[7]) < resonance(&levels[0]));
+    assert!(answer["backbone"].as_array().unwrap().len() > 10);
+    assert_eq!(std::fs::read_dir(&figures).unwrap().count(), 5 + 2);
+    assert_eq!(frettrace(&["plot", &file, "-o", &place("again")]).unwrap().status.code(), Some(0));
+    let wrong = frettrace(&["response", rig, "-o", &file, "--range", "90", "90"]).unwrap();
+    assert_eq!(wrong.status.code(), Some(1));
+}

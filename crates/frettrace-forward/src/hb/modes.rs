@@ -18,6 +18,9 @@ use super::system::Problem;
 use crate::ForwardError;
 use num_complex::Complex64;
 
+/// Newton steps for the start.
+const START_LIMIT: usize = 30;
+
 /// Which mode is followed, and over which amplitudes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Modes {
@@ -177,11 +180,48 @@ impl Solver {
         let mut forces = vec![Complex64::ZERO; still.forces() * (order + 1)];
         let zeros = forces.clone();
         self.system.evaluate(&problem, &zeros, &mut forces);
-        let stiffness = forces[1].re / modes.amplitudes[0];
-        let omega = stuck_frequency(network, modes, stiffness);
+        let stiffness = forces[1] / modes.amplitudes[0];
+        let omega = stuck_frequency(network, modes, stiffness.re);
         let ratio = network.structure.damping_ratio()[modes.mode];
-        Ok(State { forces, unknowns: vec![omega, 2.0 * ratio * omega] })
+        let unknowns = self::linearised(network, modes, stiffness, [omega, 2.0 * ratio * omega])?;
+        Ok(State { forces, unknowns: unknowns.to_vec() })
     }
+}
+
+/// Newton on `1 + k G(ω, ε) = 0` with the complex stiffness `k` of the sliding contact: its loss is no small correction.
+fn linearised(
+    network: &Network,
+    modes: &Modes,
+    stiffness: Complex64,
+    start: [f64; 2],
+) -> Result<[f64; 2], ForwardError> {
+    let balance = |[omega, feed]: [f64; 2]| -> Result<Complex64, ForwardError> {
+        let lines = Network { feed, ..network.clone() }.lines(omega, 1, 0.0)?;
+        // The reciprocal of G is nearly linear in both unknowns near a resonance.
+        Ok(stiffness + lines.receptance(modes.channel, 0)[1].inv())
+    };
+    let mut at = start;
+    for _ in 0..START_LIMIT {
+        let value = balance(at)?;
+        let step = 1e-7 * at[0];
+        let slope = [
+            (balance([at[0] + step, at[1]])? - value) / step,
+            (balance([at[0], at[1] + step])? - value) / step,
+        ];
+        let determinant = slope[0].re * slope[1].im - slope[1].re * slope[0].im;
+        let change = [
+            (slope[1].re * value.im - slope[1].im * value.re) / determinant,
+            (slope[0].im * value.re - slope[0].re * value.im) / determinant,
+        ];
+        if !change.iter().all(|c| c.is_finite() && c.abs() < 0.5 * at[0]) {
+            return Ok(start);
+        }
+        at = [at[0] + change[0], at[1] + change[1]];
+        if change.iter().all(|c| c.abs() < 1e-9 * at[0]) {
+            break;
+        }
+    }
+    Ok(at)
 }
 
 /// Root of `1 + k G(ω) = 0` without damping, above the mode for `k > 0`, by bisection.

@@ -8,6 +8,7 @@ mod inspect;
 mod modes;
 mod plot;
 mod reconstruct;
+mod response;
 mod simulate;
 mod tables;
 
@@ -35,6 +36,7 @@ enum Command {
     Modes(modes::Arguments),
     Convert(convert::Arguments),
     Simulate(simulate::Arguments),
+    Response(response::Arguments),
     Reconstruct(reconstruct::Arguments),
     Identify(identify::Arguments),
     Explain(explain::Arguments),
@@ -53,6 +55,7 @@ pub fn run(program: Program) -> anyhow::Result<()> {
         Command::Modes(arguments) => modes::run(arguments, &session),
         Command::Plot(arguments) => plot::run(arguments, &session),
         Command::Reconstruct(arguments) => reconstruct::run(arguments, &session),
+        Command::Response(arguments) => response::run(arguments, &session),
         Command::Simulate(arguments) => simulate::run(arguments, &session),
     }
 }

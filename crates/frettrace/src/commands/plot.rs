@@ -11,14 +11,14 @@ use frettrace_measurement::{Attribute, DataFile};
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Figures of a measurement, a reconstruction or an explanation as SVG files
+/// Figures of a measurement, a reconstruction, frequency responses or an explanation as SVG files
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  frettrace plot rig.h5 -o figures\n  frettrace plot rec.h5 -o figures\n  \
         frettrace plot explain.json -o figures --report report.html"
 )]
 pub struct Arguments {
-    /// Measurement file, contact record, reconstruction (HDF5), or result of `explain` (JSON)
+    /// Measurement file, contact record, reconstruction, frequency responses (HDF5), or result of `explain` (JSON)
     result: PathBuf,
     /// Folder for the figures; made where it is missing
     #[arg(short, long)]
@@ -59,6 +59,9 @@ fn figures(arguments: &Arguments) -> anyhow::Result<Vec<Figure>> {
     }
     let file = DataFile::open(path)?;
     let format = file.attribute("/", "format")?;
+    if format == Some(Attribute::Text("frettrace-response".into())) {
+        return Ok(report::responses::figures(&file, Ink::File)?);
+    }
     if format == Some(Attribute::Text("frettrace-reconstruction".into())) {
         return Ok(report::signals::reconstruction(&file, Ink::File)?);
     }

@@ -3,6 +3,7 @@
 pub mod chart;
 mod figures;
 mod page;
+pub mod responses;
 pub mod signals;
 pub mod words;
 
