@@ -4,7 +4,7 @@ use crate::search::Explained;
 use crate::start::histories;
 use crate::study::ExplainError;
 use crate::{Case, Outcome};
-use frettrace_forward::accelerations::{AccelerationModel, Prediction};
+use frettrace_forward::accelerations::{AccelerationModel, Prediction, RunLines};
 use frettrace_fourier::Harmonics;
 use num_complex::Complex64;
 
@@ -20,10 +20,12 @@ pub struct Loop {
     pub velocity: Vec<f64>,
     /// Friction force (N).
     pub force: Vec<f64>,
+    /// Energy that friction takes out of the beam in this period, `∮ F v dt` (J).
+    pub energy: f64,
 }
 
 /// One run: what was measured or recovered without a law, and what the two models predict.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Exhibit {
     /// Index of the run.
     pub run: usize,
@@ -37,6 +39,19 @@ pub struct Exhibit {
     pub acceleration: [Vec<Vec<f64>>; 3],
     /// Residual of each sensor before and after: `√(Σ_h |m_h − p_h|² / 2Hσ_h²)`, 1 for noise alone.
     pub residual: [Vec<f64>; 2],
+    /// What the residual is looked at against, over one period.
+    pub(crate) traces: Traces,
+}
+
+/// One period of what a residual may follow, on the times of an [`Exhibit`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Traces {
+    /// Slip, slip velocity and normal force of the recovered contact, each over its largest value in the run.
+    pub shares: [Vec<f64>; 3],
+    /// Residual before and after at each time, quadratic mean over the sensors, in standard deviations of the noise.
+    pub residual: [Vec<f64>; 2],
+    /// Mean square acceleration (m²/s⁴).
+    pub mean_square: f64,
 }
 
 /// Exhibits of all runs that both models can answer; a run that is not periodic has none.
@@ -54,41 +69,80 @@ pub fn exhibits(case: &Case, outcome: &Outcome) -> Result<Vec<Exhibit>, ExplainE
 
 fn exhibit(case: &Case, model: &AccelerationModel, outcome: &Outcome, run: usize) -> Option<Exhibit> {
     let recovered = histories(case, model, &outcome.model.fitted.setting, &[run]).ok()?.into_iter().next()?;
-    let (before, predicted_before) = predicted(model, &outcome.baseline, run)?;
-    let (after, predicted_after) = predicted(model, &outcome.model, run)?;
     let lines = &case.records[run].lines;
     let period = std::f64::consts::TAU / lines.omega;
+    let (before, predicted_before) = predicted(model, &outcome.baseline, (run, period))?;
+    let (after, predicted_after) = predicted(model, &outcome.model, (run, period))?;
     let sampled = |of: &Prediction| of.iter().map(|x| period_of(lines.omega, x)).collect::<Vec<_>>();
-    let residual = |of: &Prediction| {
+    let residual = |of: &Prediction| -> Vec<f64> {
         let sensors = lines.acceleration.iter().zip(of).zip(&lines.deviation);
         sensors.map(|((measured, predicted), deviation)| reduced(measured, predicted, deviation)).collect()
     };
     Some(Exhibit {
         run,
-        recovered: shown([&recovered.slip, &recovered.velocity, &recovered.force]),
+        recovered: shown([&recovered.slip, &recovered.velocity, &recovered.force], period),
         modelled: [before, after],
         time: (0..SAMPLES).map(|k| period * k as f64 / SAMPLES as f64).collect(),
         residual: [residual(&predicted_before), residual(&predicted_after)],
+        traces: Traces {
+            shares: [&recovered.slip, &recovered.velocity, &recovered.normal].map(|of| share(of)),
+            residual: [&predicted_before, &predicted_after].map(|of| in_time(lines, of)),
+            mean_square: lines.acceleration.iter().flat_map(|of| &of[1..]).map(|x| 0.5 * x.norm_sqr()).sum(),
+        },
         acceleration: [sampled(&lines.acceleration), sampled(&predicted_before), sampled(&predicted_after)],
     })
 }
 
-fn predicted(model: &AccelerationModel, found: &Explained, run: usize) -> Option<(Loop, Prediction)> {
+/// A motion at the times of an exhibit, its mean removed, over its largest value.
+fn share(values: &[f64]) -> Vec<f64> {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let largest = values.iter().map(|x| (x - mean).abs()).fold(f64::MIN_POSITIVE, f64::max);
+    (0..SAMPLES)
+        .filter_map(|k| values.get(k * values.len() / SAMPLES))
+        .map(|x| (x - mean) / largest)
+        .collect()
+}
+
+/// `√(1/S Σ_s r_s(t)²/Σ_h σ_sh²)` with `r(t) = Re Σ_h (m_h − p_h) e^{ihΩt}`: 1 at every time for noise alone.
+fn in_time(lines: &RunLines, predicted: &Prediction) -> Vec<f64> {
+    let mut square = vec![0.0; SAMPLES];
+    for ((measured, predicted), deviation) in lines.acceleration.iter().zip(predicted).zip(&lines.deviation) {
+        let known = |h: usize| deviation[h].is_finite() && deviation[h] > 0.0;
+        let left = measured.iter().zip(predicted).enumerate();
+        let left: Vec<Complex64> =
+            left.map(|(h, (m, p))| if known(h) { m - p } else { Complex64::ZERO }).collect();
+        let variance: f64 =
+            (1..deviation.len()).filter(|h| known(*h)).map(|h| deviation[h] * deviation[h]).sum();
+        for (sum, r) in square.iter_mut().zip(period_of(lines.omega, &left)) {
+            *sum += r * r / variance.max(f64::MIN_POSITIVE);
+        }
+    }
+    square.into_iter().map(|sum| (sum / lines.acceleration.len().max(1) as f64).sqrt()).collect()
+}
+
+fn predicted(
+    model: &AccelerationModel,
+    found: &Explained,
+    (run, period): (usize, f64),
+) -> Option<(Loop, Prediction)> {
     let mut memory = found.fitted.memory.clone();
     let setting = &found.fitted.setting;
     let contact = model.contact(setting, run, &mut memory).ok()?;
     let prediction = model.predict(setting, &[run], &mut memory).ok()?.into_iter().next()?;
-    Some((shown([&contact.slip, &contact.velocity, &contact.force]), prediction))
+    Some((shown([&contact.slip, &contact.velocity, &contact.force], period), prediction))
 }
 
-/// About [`SAMPLES`] of the samples, without their means.
-fn shown(columns: [&[f64]; 3]) -> Loop {
+/// About [`SAMPLES`] of the samples, without their means; the energy from all of them.
+fn shown(columns: [&[f64]; 3], period: f64) -> Loop {
+    let [_, velocity, force] = columns;
+    let power: f64 = force.iter().zip(velocity).map(|(f, v)| f * v).sum();
+    let energy = period * power / force.len().max(1) as f64;
     let [slip, velocity, force] = columns.map(|values| {
         let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
         let stride = (values.len() / SAMPLES).max(1);
         values.iter().step_by(stride).map(|value| value - mean).collect()
     });
-    Loop { slip, velocity, force }
+    Loop { slip, velocity, force, energy }
 }
 
 /// One period of a signal given by its lines, without its mean.
@@ -127,8 +181,10 @@ mod tests {
     fn means_are_removed() {
         let wave: Vec<f64> =
             (0..960).map(|k| 5.0 + 2.0 * (std::f64::consts::TAU * f64::from(k) / 960.0).cos()).collect();
-        let shown = shown([&wave, &wave, &wave]);
+        let shown = shown([&wave, &wave, &wave], 2.0);
         assert_eq!(shown.slip.len(), SAMPLES);
+        // Mean of (5 + 2 cos)² is 25 + 2, over a period of 2.
+        assert!((shown.energy - 54.0).abs() < 1e-10);
         assert!((shown.force[0] - 2.0).abs() < 1e-12);
         let lines = [Complex64::new(5.0, 0.0), Complex64::new(2.0, 0.0)];
         assert!((period_of(10.0, &lines)[0] - 2.0).abs() < 1e-12);

@@ -1,17 +1,17 @@
 //! What the report draws, mapped from the exhibits of the explanation.
 
 use crate::results::{ContactCurve, ContactLoop, Exhibits, ResidualShape, Waveform};
-use frettrace_explain::{Exhibit, Loop};
+use frettrace_explain::{Exhibit, Loop, Shape, shapes};
 use frettrace_measurement::Measurement;
 
-/// Loops of all runs, the worst channel of each held-out run, and the residual against run and sensor.
+/// Loops of all runs, the worst channel of each held-out run, and the shape of the residual.
 #[must_use]
 pub fn exhibits(measurement: &Measurement, shown: &[Exhibit], held_out: &[usize]) -> Exhibits {
     let waveforms = shown.iter().filter(|exhibit| held_out.contains(&exhibit.run));
     Exhibits {
         loops: shown.iter().map(|exhibit| contact_loop(measurement, exhibit, held_out)).collect(),
         waveforms: waveforms.map(|exhibit| waveform(measurement, exhibit)).collect(),
-        residual: if shown.is_empty() { Vec::new() } else { vec![by_run(shown), by_sensor(shown)] },
+        residual: shapes(shown).into_iter().map(shape).collect(),
     }
 }
 
@@ -34,6 +34,7 @@ fn curve(given: &Loop) -> ContactCurve {
         slip: rounded(&given.slip),
         slip_velocity: rounded(&given.velocity),
         force: rounded(&given.force),
+        energy_per_cycle_j: given.energy,
     }
 }
 
@@ -56,35 +57,15 @@ fn waveform(measurement: &Measurement, exhibit: &Exhibit) -> Waveform {
     }
 }
 
-fn by_run(shown: &[Exhibit]) -> ResidualShape {
-    let of = |side: usize| shown.iter().map(|exhibit| quadratic_mean(&exhibit.residual[side])).collect();
+fn shape(given: Shape) -> ResidualShape {
+    let [before, after] = given.residual;
     ResidualShape {
-        against: "run".into(),
-        unit: "number".into(),
-        centre: shown.iter().map(|exhibit| exhibit.run as f64 + 1.0).collect(),
-        before: of(0),
-        after: of(1),
+        against: given.against.into(),
+        unit: given.unit.into(),
+        centre: rounded(&given.centre),
+        before: rounded(&before),
+        after: rounded(&after),
     }
-}
-
-fn by_sensor(shown: &[Exhibit]) -> ResidualShape {
-    let sensors = shown[0].residual[0].len();
-    let of = |side: usize| {
-        let of_sensor =
-            |sensor: usize| shown.iter().map(|exhibit| exhibit.residual[side][sensor]).collect::<Vec<_>>();
-        (0..sensors).map(|sensor| quadratic_mean(&of_sensor(sensor))).collect()
-    };
-    ResidualShape {
-        against: "sensor".into(),
-        unit: "index".into(),
-        centre: (0..sensors).map(|sensor| sensor as f64).collect(),
-        before: of(0),
-        after: of(1),
-    }
-}
-
-fn quadratic_mean(values: &[f64]) -> f64 {
-    (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
 /// Six significant digits: more than a drawing shows, and half the size of the file.

@@ -7,7 +7,7 @@ use crate::results::{
 use crate::{Progress, StudyError, case};
 use frettrace_explain::{Explained, Outcome, RunError};
 use frettrace_forward::accelerations::Quantity;
-use frettrace_measurement::{Measurement, Recording};
+use frettrace_measurement::{MeasuredModes, Measurement, Recording};
 use std::collections::BTreeMap;
 
 /// How to explain.
@@ -66,7 +66,7 @@ fn explanation(measurement: &Measurement, options: &ExplainOptions, outcome: &Ou
             .as_ref()
             .map(|e| HeldOut { error: summary(&e[k], source), runs: names(held_out) }),
         provenance: provenance.clone(),
-        ..identification(law, model)
+        ..identification(measurement, law, model)
     };
     Explanation {
         verdict: verdict(outcome.verdict),
@@ -149,7 +149,7 @@ fn estimate(value: f64, std: f64, unit: &str) -> Estimate {
     }
 }
 
-fn identification(law: &str, model: &Explained) -> Identification {
+fn identification(measurement: &Measurement, law: &str, model: &Explained) -> Identification {
     let mut parameters = BTreeMap::new();
     let mut structure = Structure::default();
     let setting = &model.fitted.setting;
@@ -162,11 +162,26 @@ fn identification(law: &str, model: &Explained) -> Identification {
             parameters.insert(unknown.parameter.name.clone(), found);
         }
     }
+    // A mode that was not fitted is as uncertain as it was declared.
+    let declared = |std: fn(&MeasuredModes) -> &Vec<f64>, mode: usize| {
+        measurement.modes.as_ref().and_then(|modes| std(modes).get(mode).copied()).unwrap_or(f64::NAN)
+    };
+    let known = |fitted: f64, declared: f64| if fitted.is_finite() { fitted } else { declared };
     for (mode, (&frequency, &damping)) in setting.frequency.iter().zip(&setting.damping).enumerate() {
         let tau = std::f64::consts::TAU;
+        let frequency_std = model.deviation(Quantity::ModeFrequency(mode)) / tau;
+        let damping_std = model.deviation(Quantity::ModeDamping(mode));
         structure.modes.push(ModeEstimate {
-            frequency: estimate(frequency / tau, model.deviation(Quantity::ModeFrequency(mode)) / tau, "Hz"),
-            damping_ratio: estimate(damping, model.deviation(Quantity::ModeDamping(mode)), "1"),
+            frequency: estimate(
+                frequency / tau,
+                known(frequency_std, declared(|modes| &modes.frequency_std, mode)),
+                "Hz",
+            ),
+            damping_ratio: estimate(
+                damping,
+                known(damping_std, declared(|modes| &modes.damping_ratio_std, mode)),
+                "1",
+            ),
         });
     }
     Identification { law: law.to_owned(), parameters, structure, ..Identification::default() }

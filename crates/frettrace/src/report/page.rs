@@ -1,15 +1,25 @@
 //! The page itself.
 
 use super::{chart::Ink, escape, figures, words};
-use crate::results::{BeforeAfter, Estimate, Explanation, Identification, Verdict};
-use std::{collections::BTreeMap, fmt::Write};
+use crate::results::{
+    BeforeAfter, ContactLoop, Estimate, Explanation, Identification, ModeEstimate, Verdict,
+};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
 
 /// The report as one HTML page without any outside reference.
 #[must_use]
 pub fn html(title: &str, found: &Explanation) -> String {
     let mut page = String::new();
-    let sections =
-        [verdict(found), errors(found), pictures(found), evidence(found), parameters(found), notes(found)];
+    let sections = [
+        verdict(found),
+        errors(found),
+        pictures(found),
+        energy(found),
+        evidence(found),
+        parameters(found),
+        notes(found),
+    ];
     // Writing into a string cannot fail.
     let _ = write!(
         page,
@@ -96,7 +106,7 @@ fn evidence(found: &Explanation) -> String {
         .iter()
         .map(|candidate| {
             format!(
-                "<tr><td>{}</td><td class=\"words\">{}</td><td>{}</td><td>{:.1}</td><td class=\"track\">{}</td></tr>\n",
+                "<tr><td>{}</td><td class=\"words\">{}</td><td>{}</td><td>{:.0}</td><td class=\"track\">{}</td></tr>\n",
                 escape(&candidate.id),
                 words::meaning(&candidate.id),
                 words::percent(candidate.error),
@@ -114,55 +124,84 @@ fn evidence(found: &Explanation) -> String {
 }
 
 fn parameters(found: &Explanation) -> String {
-    let mut text = String::new();
+    let mut text = String::from("<h2>Parameters with intervals</h2>\n");
     for effect in &found.effects {
-        text += &estimates(&format!("Effect {}", effect.id), &effect.parameters);
+        text += &estimates(&format!("Effect {}", effect.id), &[("value", &effect.parameters)]);
     }
-    let both = [("declared model", &found.baseline), ("model with the effects", &found.model)];
+    let both = [("declared model", &found.baseline), ("with the effects", &found.model)];
     let shown = if found.effects.is_empty() { &both[..1] } else { &both[..] };
-    for (name, model) in shown {
-        text += &estimates(&format!("Law {} of the {name}", model.law), &model.parameters);
-        text += &structure(model);
-    }
-    format!("<h2>Parameters with intervals</h2>\n{text}")
+    let laws: Vec<_> = shown.iter().map(|(name, model)| (*name, &model.parameters)).collect();
+    let modes: Vec<_> = shown.iter().map(|(name, model)| (*name, modes(model))).collect();
+    let modes: Vec<_> = modes.iter().map(|(name, modes)| (*name, modes)).collect();
+    text += &estimates(&format!("Law {}", found.baseline.law), &laws);
+    text + &estimates("Calibrated modes", &modes)
 }
 
-fn structure(model: &Identification) -> String {
+fn modes(model: &Identification) -> BTreeMap<String, Estimate> {
     let modes = model.structure.modes.iter().enumerate();
-    let named: BTreeMap<_, _> = modes
-        .flat_map(|(index, mode)| {
-            let number = index + 1;
-            [
-                (format!("mode {number:2} frequency"), mode.frequency.clone()),
-                (format!("mode {number:2} damping ratio"), mode.damping_ratio.clone()),
-            ]
-        })
-        .collect();
-    estimates("Calibrated modes", &named)
+    let named = |(index, mode): (usize, &ModeEstimate)| {
+        let number = index + 1;
+        [
+            (format!("mode {number:2} frequency"), mode.frequency.clone()),
+            (format!("mode {number:2} damping ratio"), mode.damping_ratio.clone()),
+        ]
+    };
+    modes.flat_map(named).collect()
 }
 
-fn estimates(title: &str, parameters: &BTreeMap<String, Estimate>) -> String {
-    if parameters.is_empty() {
+/// One table: a row a parameter, a column a model.
+fn estimates(title: &str, models: &[(&str, &BTreeMap<String, Estimate>)]) -> String {
+    let names: BTreeSet<&String> = models.iter().flat_map(|(_, parameters)| parameters.keys()).collect();
+    if names.is_empty() {
         return String::new();
     }
-    let rows: String = parameters.iter().map(|(name, estimate)| estimate_row(name, estimate)).collect();
+    let heads: String =
+        models.iter().map(|(head, _)| format!("<th>{head}</th><th>95 % interval</th>")).collect();
+    let rows: String = names.iter().map(|name| estimate_row(name, models)).collect();
     format!(
-        "<h3>{}</h3>\n<div class=\"scroll\"><table>\n<tr><th>parameter</th><th>value</th><th>95 % interval</th>\
-         <th>unit</th><th></th></tr>\n{rows}</table></div>\n",
+        "<h3>{}</h3>\n<div class=\"scroll\"><table>\n<tr><th>parameter</th>{heads}<th>unit</th></tr>\n{rows}</table></div>\n",
         escape(title)
     )
 }
 
-fn estimate_row(name: &str, estimate: &Estimate) -> String {
-    let [low, high] = estimate.interval95;
-    let remark = if estimate.identifiable { "" } else { "not determined by these data" };
+fn estimate_row(name: &str, models: &[(&str, &BTreeMap<String, Estimate>)]) -> String {
+    let cells: String = models.iter().map(|(_, parameters)| estimate_cells(parameters.get(name))).collect();
+    let unit = models.iter().find_map(|(_, parameters)| parameters.get(name)).map_or("", |found| &found.unit);
+    format!("<tr><td>{}</td>{cells}<td>{}</td></tr>\n", escape(name), escape(unit))
+}
+
+fn estimate_cells(estimate: Option<&Estimate>) -> String {
+    let Some(estimate) = estimate else { return "<td></td><td></td>".into() };
+    let [low, high] = estimate.interval95.map(words::number);
+    let interval = if estimate.identifiable {
+        format!("{low} … {high}")
+    } else {
+        "not determined by these data".into()
+    };
+    format!("<td>{}</td><td>{interval}</td>", words::number(estimate.value))
+}
+
+/// What friction takes out of the beam, run by run.
+fn energy(found: &Explanation) -> String {
+    let cell = |energy: f64| format!("<td>{}</td>", words::number(1e3 * energy));
+    let row = |run: &ContactLoop| {
+        let [measured, before, after] =
+            [&run.measured, &run.before, &run.after].map(|c| cell(c.energy_per_cycle_j));
+        let role = if run.held_out { "held out" } else { "fitted" };
+        format!(
+            "<tr><td>{} {}</td><td>{role}</td>{measured}{before}{after}</tr>\n",
+            escape(&run.run),
+            escape(&run.label)
+        )
+    };
+    let rows: String = found.exhibits.loops.iter().map(row).collect();
+    if rows.is_empty() {
+        return rows;
+    }
     format!(
-        "<tr><td>{}</td><td>{}</td><td>{} … {}</td><td>{}</td><td>{remark}</td></tr>\n",
-        escape(name),
-        words::number(estimate.value),
-        words::number(low),
-        words::number(high),
-        escape(&estimate.unit)
+        "<h2>Energy per cycle</h2>\n<p class=\"faint\">What friction takes out of the motion in one period [mJ]: wear \
+         follows it.</p>\n<div class=\"scroll\"><table>\n<tr><th>run</th><th></th><th>recovered</th>\
+         <th>declared model</th><th>with the effects</th></tr>\n{rows}</table></div>\n"
     )
 }
 

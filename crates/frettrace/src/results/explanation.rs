@@ -116,6 +116,9 @@ pub struct ContactCurve {
     /// Friction force (N).
     #[serde(with = "number::series")]
     pub force: Vec<f64>,
+    /// Energy that friction takes in this period [J].
+    #[serde(with = "number::scalar", default)]
+    pub energy_per_cycle_j: f64,
 }
 
 /// Friction force against slip over one period of a run.

@@ -7,8 +7,8 @@ mod identification;
 mod number;
 
 pub use explanation::{
-    BeforeAfter, Candidate, ContactCurve, ContactLoop, Effect, Exhibits, Explanation, Place, ResidualShape, Verdict,
-    Waveform,
+    BeforeAfter, Candidate, ContactCurve, ContactLoop, Effect, Exhibits, Explanation, Place, ResidualShape,
+    Verdict, Waveform,
 };
 pub use identification::{
     ErrorSummary, Estimate, HeldOut, Identification, ModeEstimate, NoiseFloorSource, Provenance, Step,
