@@ -34,6 +34,8 @@ pub struct RunRecord {
     pub power: Vec<f64>,
     /// Standard deviation of the noise of each sensor (m/s²).
     pub noise: Vec<f64>,
+    /// Share of the power in lines above the trusted band, which nothing is compared with.
+    pub untrusted: f64,
     /// What neither lines nor a constant hold, sample by sample.
     pub residual: Vec<Vec<f64>>,
     /// Samples of the run.
@@ -48,8 +50,14 @@ const MOST_LINES: usize = 160;
 const BAND: f64 = 0.8;
 /// Relative accuracy to which lines can be compared with any model of a beam: bounds the weight of a single line.
 const RELATIVE_ACCURACY: f64 = 3e-5;
-/// A run is periodic where what lies beside its lines stays within this factor of the noise.
+/// A run is periodic where what lies beside its lines stays within this factor of the noise …
 const BESIDE_LIMIT: f64 = 1.25;
+/// … or below this share of its power: what has not quite settled is then part of the noise of the lines, not a reason to
+/// leave them out.
+const BESIDE_SHARE: f64 = 1e-4;
+/// Factor between a local level of the noise and the stated one from which the local one counts: five standard deviations
+/// of a level averaged over 128 bins.
+const COLOURED: f64 = 1.5;
 
 impl RunRecord {
     /// Lines of a run; `noise` holds the stated deviations where there are any.
@@ -86,11 +94,15 @@ impl RunRecord {
         }
         let unresolved = ProjectionError::TooShort { samples, unknowns: 3 };
         let (subharmonic, channels, force, ratio) = best.ok_or(unresolved)?;
-        let noise: Vec<f64> = match noise {
+        let mut noise: Vec<f64> = match noise {
             Some(stated) => stated.to_vec(),
             None => channels.iter().map(between_lines).collect(),
         };
-        Ok(Self::assemble(run, (channels, force), noise, (subharmonic, ratio < BESIDE_LIMIT, progress)))
+        let periodic = ratio < BESIDE_LIMIT || beside_share(run, &channels) < BESIDE_SHARE;
+        if periodic && ratio >= BESIDE_LIMIT {
+            noise.iter_mut().zip(&channels).for_each(|(n, c)| *n = n.max(c.residual_std));
+        }
+        Ok(Self::assemble(run, (channels, force), noise, (subharmonic, periodic, progress)))
     }
 
     fn assemble(
@@ -104,17 +116,16 @@ impl RunRecord {
         let edge = (BAND * std::f64::consts::PI * run.sampling_rate / force.harmonics.base) as usize;
         let highest = channels[0].harmonics.order().min(edge.max(1));
         let order = significant_order(&channels).max(8 * subharmonic).min(highest);
-        let line_noise = |s: usize| noise[s] * (2.0 / samples as f64).sqrt();
         let acceleration: Vec<Vec<Complex64>> =
             channels.iter().map(|c| c.harmonics.coefficients[..=order].to_vec()).collect();
         let deviation = acceleration
             .iter()
             .enumerate()
             .map(|(s, lines)| {
-                lines.iter().map(|a| line_noise(s).hypot(RELATIVE_ACCURACY * a.norm())).collect()
+                let noise = line_noise(&channels[s], noise[s]);
+                lines.iter().zip(noise).map(|(a, n)| n.hypot(RELATIVE_ACCURACY * a.norm())).collect()
             })
             .collect();
-        let mean_square = |x: &[f64]| x.iter().map(|v| v * v).sum::<f64>() / x.len() as f64;
         // Lines beyond the last significant one count as beside.
         let beside = channels
             .iter()
@@ -123,6 +134,12 @@ impl RunRecord {
                 mean_square(&c.residual) + above.iter().map(|a| 0.5 * a.norm_sqr()).sum::<f64>()
             })
             .collect();
+        let beyond: f64 = channels
+            .iter()
+            .flat_map(|c| &c.harmonics.coefficients[highest + 1..])
+            .map(|a| 0.5 * a.norm_sqr())
+            .sum();
+        let power: Vec<f64> = run.acceleration.iter().map(|x| mean_square(x)).collect();
         let contact_order = order + order / 4 + 4;
         let lines = RunLines {
             omega: force.harmonics.base,
@@ -140,13 +157,34 @@ impl RunRecord {
             subharmonic,
             periodic,
             beside,
-            power: run.acceleration.iter().map(|x| mean_square(x)).collect(),
+            untrusted: beyond / power.iter().sum::<f64>().max(f64::MIN_POSITIVE),
+            power,
             noise,
             residual: channels.into_iter().map(|c| c.residual).collect(),
             samples,
             sampling_rate: run.sampling_rate,
         }
     }
+}
+
+fn mean_square(x: &[f64]) -> f64 {
+    x.iter().map(|v| v * v).sum::<f64>() / x.len().max(1) as f64
+}
+
+/// Share of the power beside the lines.
+fn beside_share(run: &RunSamples<'_>, channels: &[Projected]) -> f64 {
+    let beside: f64 = channels.iter().map(|c| mean_square(&c.residual)).sum();
+    let power: f64 = run.acceleration.iter().map(|x| mean_square(x)).sum();
+    beside / power.max(f64::MIN_POSITIVE)
+}
+
+/// Standard deviation of real and imaginary part of every line: white noise of deviation `noise`, or, where the spectrum
+/// between the lines is not flat, its local level.
+fn line_noise(channel: &Projected, noise: f64) -> Vec<f64> {
+    let white = noise * noise * 4.0 / channel.residual.len() as f64;
+    let local = &channel.harmonics.variance;
+    let coloured = local.iter().skip(1).any(|v| *v > COLOURED * white);
+    local.iter().map(|v| if coloured { *v } else { white }).map(|v| (0.5 * v).sqrt()).collect()
 }
 
 /// Largest ratio over the sensors of what lies beside the lines to the noise (stated, or the quietest decile of lines).

@@ -16,10 +16,15 @@ const INPUT_NOISE: f64 = 1.1;
 /// Steps of the fit that every form gets on the recovered contacts, and forms that get all of them.
 const GLANCE: usize = 5;
 const LOOK: usize = 10;
-/// A model is complete where its error stays within this factor of the noise, over all runs …
+/// A model is complete where its error stays within this factor of the noise, over all training runs …
 pub(crate) const COMPLETE: f64 = 1.05;
 /// … and in every run.
 const COMPLETE_RUN: f64 = 1.12;
+
+/// A model explains where its error stays within this factor of the noise in every training run …
+const SUFFICIENT: f64 = 1.2;
+/// … and no more than this share of the declared model's excess is left: model errors of other rigs are of that size.
+const REST: f64 = 0.01;
 
 /// A law on recovered contacts, with what it costs.
 #[derive(Clone)]
@@ -41,13 +46,15 @@ pub struct Explained {
     pub(crate) sensors: Vec<Option<usize>>,
     /// The fit.
     pub fitted: Fitted,
-    /// Unknowns that the effects brought.
+    /// Unknowns that the effects brought, effect by effect.
     pub added: Vec<Unknown>,
+    /// How many of them each effect brought.
+    pub(crate) counts: Vec<usize>,
     /// `χ² + k ln n` over the training runs.
     pub criterion: f64,
     /// Error over noise on the training runs.
     pub ratio: f64,
-    /// Largest error over noise of any run, training or held out.
+    /// Largest error over noise of any training run.
     pub worst: f64,
 }
 
@@ -57,6 +64,30 @@ impl Explained {
     pub fn deviation(&self, quantity: Quantity) -> f64 {
         let place = self.fitted.unknowns.iter().position(|u| u.quantity == quantity);
         place.and_then(|k| self.fitted.deviation.get(k).copied()).unwrap_or(f64::NAN)
+    }
+
+    /// What the error holds beside the noise, as a share of the noise's power.
+    pub(crate) fn excess(&self) -> f64 {
+        (self.ratio * self.ratio - 1.0).max(0.0)
+    }
+
+    /// The unknowns that the effect of the given place in the list brought.
+    pub(crate) fn own(&self, place: usize) -> &[Unknown] {
+        let first: usize = self.counts.iter().take(place).sum();
+        let count = self.counts.get(place).copied().unwrap_or_default();
+        self.added.get(first..first + count).unwrap_or_default()
+    }
+
+    /// Books what `self` has added to `before` as brought by its last effect.
+    pub(crate) fn book(&mut self, before: &Self) {
+        self.counts = before.counts.clone();
+        self.counts.push(self.added.len().saturating_sub(before.added.len()));
+    }
+
+    /// Whether so little is left of what `baseline` missed that no further mechanism can be told in it: a hundredth of its
+    /// excess, and an error within a fifth of the noise.
+    pub(crate) fn sufficient(&self, baseline: &Self) -> bool {
+        self.worst <= SUFFICIENT && self.excess() <= REST * baseline.excess()
     }
 
     /// Whether nothing is left to explain.
@@ -94,6 +125,7 @@ impl Study<'_> {
         let fitted = self.fit(from.fitted.setting.clone(), &unknowns, &from.fitted.memory, 30)?;
         let mut found = self.judged(fitted, from.effects.clone(), from.added.clone());
         found.sensors.clone_from(&from.sensors);
+        found.counts.clone_from(&from.counts);
         Ok(found)
     }
 
@@ -112,6 +144,7 @@ impl Study<'_> {
         reduced.added = before.added.clone();
         reduced.effects.pop();
         reduced.sensors.pop();
+        reduced.counts.pop();
         let of_law = from.fitted.setting.ports.len() == before.fitted.setting.ports.len();
         if of_law { self.polished(&reduced).ok() } else { None }
     }
@@ -141,14 +174,13 @@ impl Study<'_> {
     pub(crate) fn judged(&self, fitted: Fitted, effects: Vec<usize>, added: Vec<Unknown>) -> Explained {
         let count = self.residual_count() as f64;
         let criterion = fitted.fit.cost + fitted.unknowns.len() as f64 * count.ln();
-        let all: Vec<usize> = self.training.iter().chain(&self.held_out).copied().collect();
         // Where a recovered force is an input, its noise comes on top of the sensors' own.
         let allowance = if self.case.rig.known_support.is_some() { INPUT_NOISE } else { 1.0 };
-        let worst =
-            all.iter().map(|&run| self.error(&fitted, &[run]).ratio()).fold(0.0, f64::max) / allowance;
+        let worst = self.training.iter().map(|&run| self.error(&fitted, &[run]).ratio()).fold(0.0, f64::max)
+            / allowance;
         let ratio = self.error(&fitted, &self.training).ratio() / allowance;
         let sensors = vec![None; effects.len()];
-        Explained { effects, sensors, fitted, added, criterion, ratio, worst }
+        Explained { effects, sensors, fitted, counts: Vec::new(), added, criterion, ratio, worst }
     }
 
     /// Recovered contacts of the training runs.
@@ -250,8 +282,9 @@ impl Study<'_> {
     /// The best contact effects with the whole model, best first.
     pub(crate) fn contact_round(&self, from: &Explained, candidates: &[ContactCandidate]) -> Vec<Explained> {
         let declared = merge(&self.case.unknowns(), &from.added);
+        let known = |q: Quantity| declared.iter().any(|u| u.quantity == q);
         let structure: Vec<Unknown> =
-            declared.into_iter().filter(|u| !matches!(u.quantity, Quantity::Law(_))).collect();
+            declared.iter().filter(|u| !matches!(u.quantity, Quantity::Law(_))).cloned().collect();
         let best = candidates.first().map_or(0.0, |c| c.criterion);
         let mut tried: Vec<Explained> = candidates
             .par_iter()
@@ -262,13 +295,13 @@ impl Study<'_> {
                 setting.law = candidate.law;
                 setting.modulation = candidate.modulation;
                 let unknowns = merge(&structure, &candidate.unknowns);
-                let known = |q: Quantity| from.fitted.unknowns.iter().any(|u| u.quantity == q);
                 let brought = unknowns.iter().filter(|u| !known(u.quantity)).cloned();
                 let added = from.added.iter().cloned().chain(brought).collect();
                 let mut effects = from.effects.clone();
                 effects.push(candidate.effect);
                 let mut found = self.whole(setting, &unknowns, (effects, added), 15).ok()?;
                 found.sensors = from.sensors.iter().copied().chain([None]).collect();
+                found.book(from);
                 Some(found)
             })
             .collect();

@@ -79,6 +79,8 @@ pub struct Outcome {
 const MOST_EFFECTS: usize = 2;
 /// Evidence that a claim needs against its rivals.
 const EVIDENCE: f64 = 10.0;
+/// Largest share of the excess over the noise that a second effect may leave: a mechanism that is there takes its own away.
+const PROXY: f64 = 0.4;
 /// The balance of all training runs is closed below this χ² per degree of freedom …
 const BALANCE_CLOSED: f64 = 1.6;
 /// … and below this in each of them.
@@ -113,8 +115,8 @@ impl Search<'_> {
     fn baseline(&self, mut setting: Setting) -> Result<Explained, ExplainError> {
         let unknowns = self.study.case.unknowns();
         let law: Vec<Unknown> = unknowns.iter().filter(|u| is_law(u)).cloned().collect();
-        if self.study.case.loosely_known() {
-            // Modes that are known loosely are calibrated on the balance before any force is recovered.
+        if self.study.case.loosely_known() || !self.closed(&setting) {
+            // Modes that are known loosely, beside the noise, are calibrated on the balance before any force is recovered.
             let calibrated = self.study.balance_base(&setting, &[]);
             if calibrated.reduced.is_finite() {
                 setting = calibrated.setting;
@@ -131,25 +133,55 @@ impl Search<'_> {
         }
     }
 
+    /// Whether the balance of every training run closes without a law.
+    fn closed(&self, setting: &Setting) -> bool {
+        let (reduced, worst) = self.study.balance_reduced(setting);
+        reduced <= BALANCE_CLOSED && worst <= BALANCE_CLOSED_RUN
+    }
+
+    /// Where the balance is open, the structure within what is declared may close it: no effect is needed for that.
+    fn calibrate(&self, current: &mut Explained) {
+        let setting = &current.fitted.setting;
+        if self.closed(setting) {
+            return;
+        }
+        let structural: Vec<Unknown> = current.added.iter().filter(|u| !is_law(u)).cloned().collect();
+        let calibrated = self.study.balance_base(setting, &structural);
+        if calibrated.reduced.is_finite() && self.closed(&calibrated.setting) {
+            current.fitted.setting = calibrated.setting;
+        }
+    }
+
     /// Adds effects until the model is complete or nothing more is worth it.
     fn close(&mut self, baseline: &Explained) -> Result<Explained, ExplainError> {
         let mut current = baseline.clone();
         for _ in 0..MOST_EFFECTS {
-            let (reduced, worst) = self.study.balance_reduced(&current.fitted.setting);
-            let found = if reduced > BALANCE_CLOSED || worst > BALANCE_CLOSED_RUN {
-                self.structure_round(&current)?
-            } else {
-                self.contact_round(&current)?
-            };
+            self.calibrate(&mut current);
             let before = current.clone();
-            match found {
-                Some(better) if better.criterion + EVIDENCE < current.criterion => current = better,
-                _ => break,
-            }
-            if !current.complete() {
+            let rivals = std::mem::take(&mut self.rivals);
+            let found = if self.closed(&current.fitted.setting) {
+                self.contact_round(&current)?
+            } else {
+                self.structure_round(&current)?
+            };
+            let mut better = match found {
+                Some(better) if better.criterion + EVIDENCE < current.criterion => better,
+                _ => {
+                    self.rivals = rivals;
+                    break;
+                }
+            };
+            if !better.complete() {
                 // A second effect may not be named for what a longer fit would have done.
-                current = self.further(current);
-            } else if current.effects.len() > 1 {
+                better = self.further(better);
+            }
+            if !before.effects.is_empty() && better.excess() > PROXY * before.excess() {
+                // It takes away a little of everything: a stand-in for what neither effect is.
+                self.rivals = rivals;
+                break;
+            }
+            current = better;
+            if current.complete() && current.effects.len() > 1 {
                 current = self.pruned(current, &before);
             }
             if current.complete() {
@@ -196,6 +228,7 @@ impl Search<'_> {
 
     /// Records what was tried and keeps the best.
     fn take_best(&mut self, current: &Explained, mut found: Vec<Explained>) -> Option<Explained> {
+        found.iter_mut().for_each(|one| one.book(current));
         found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
         for one in &found {
             let Some(&effect) = one.effects.last() else { continue };
@@ -278,7 +311,7 @@ impl Search<'_> {
     }
 
     fn outcome(mut self, baseline: Explained, model: Explained) -> Outcome {
-        let complete = model.complete();
+        let complete = model.complete() || model.sufficient(&baseline);
         let verdict = match (model.effects.is_empty(), complete) {
             (true, true) => Verdict::NothingMissing,
             (false, true) => Verdict::Explained,
@@ -292,6 +325,13 @@ impl Search<'_> {
         let effects = if verdict == Verdict::Explained { self.named(&model) } else { Vec::new() };
         self.tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
         let study = self.study;
+        let untrusted = study.case.records.iter().map(|r| r.untrusted).fold(0.0, f64::max);
+        if untrusted > 0.0 {
+            self.notes.push(format!(
+                "lines above 0.8 of half the sampling rate, where anti-alias filters bend every channel, are in no error: at most {:.1e} of a run's amplitude",
+                untrusted.sqrt()
+            ));
+        }
         let left_out = study.case.records.iter().filter(|r| !r.periodic).count();
         if left_out > 0 {
             self.notes.push(format!("{left_out} runs are not periodic and were left out of the prediction"));
@@ -315,8 +355,9 @@ impl Search<'_> {
 
     /// Place of what stays unexplained: an open balance is never the contact.
     fn place(&self, model: &Explained) -> EffectPlace {
-        let (reduced, worst) = self.study.balance_reduced(&model.fitted.setting);
-        if reduced <= BALANCE_CLOSED && worst <= BALANCE_CLOSED_RUN {
+        let mut model = model.clone();
+        self.calibrate(&mut model);
+        if self.closed(&model.fitted.setting) {
             return EffectPlace::Contact;
         }
         if self.study.one_sensor_closes(&model.fitted.setting, BALANCE_CLOSED) {
@@ -344,7 +385,7 @@ impl Search<'_> {
                     probability: 1.0 / (1.0 + odds),
                     position: position(model, effect),
                     sensor,
-                    parameters: parameters(model),
+                    parameters: parameters(model, k),
                     indistinguishable: if last {
                         at_most_two(effect, close(effect).map(|(e, _)| *e))
                     } else {
@@ -393,10 +434,10 @@ fn position(model: &Explained, effect: usize) -> Option<f64> {
         .and_then(|u| model.fitted.setting.get(u.quantity))
 }
 
-/// What the effects brought.
-fn parameters(model: &Explained) -> Vec<(String, String, f64, f64)> {
+/// What the effect at a place of the list brought.
+fn parameters(model: &Explained, place: usize) -> Vec<(String, String, f64, f64)> {
     model
-        .added
+        .own(place)
         .iter()
         .filter_map(|u| {
             let value = model.fitted.setting.get(u.quantity)?;
