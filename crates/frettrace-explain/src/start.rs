@@ -105,10 +105,15 @@ pub(crate) fn scales(case: &Case, histories: &[ContactHistory]) -> Scales {
         slip: largest(&ContactHistory::amplitude).max(1e-12),
         velocity: largest(&ContactHistory::top_speed).max(1e-12),
         period,
-        preload: first.map_or(1.0, |r| r.lines.preload),
+        preload: mean_preload(case),
         length: case.rig.beam.length,
         mass: case.rig.beam.mass_per_length * case.rig.beam.length,
     }
+}
+
+fn mean_preload(case: &Case) -> f64 {
+    let sum: f64 = case.records.iter().map(|r| r.lines.preload).sum();
+    if case.records.is_empty() { 1.0 } else { sum / case.records.len() as f64 }
 }
 
 fn peak(values: &[f64]) -> f64 {

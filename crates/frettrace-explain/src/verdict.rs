@@ -81,6 +81,9 @@ const MOST_EFFECTS: usize = 2;
 const EVIDENCE: f64 = 10.0;
 /// Largest share of the excess over the noise that a second effect may leave: a mechanism that is there takes its own away.
 const PROXY: f64 = 0.4;
+/// The structure is calibrated on the balance above this χ² per degree of freedom: with the thousand degrees of freedom of
+/// a set, two standard deviations.
+const BALANCE_CALIBRATED: f64 = 1.1;
 /// The balance of all training runs is closed below this χ² per degree of freedom …
 const BALANCE_CLOSED: f64 = 1.6;
 /// … and below this in each of them.
@@ -115,7 +118,7 @@ impl Search<'_> {
     fn baseline(&self, mut setting: Setting) -> Result<Explained, ExplainError> {
         let unknowns = self.study.case.unknowns();
         let law: Vec<Unknown> = unknowns.iter().filter(|u| is_law(u)).cloned().collect();
-        if self.study.case.loosely_known() || !self.closed(&setting) {
+        if self.study.case.loosely_known() || self.study.balance_reduced(&setting).0 > BALANCE_CALIBRATED {
             // Modes that are known loosely, beside the noise, are calibrated on the balance before any force is recovered.
             let calibrated = self.study.balance_base(&setting, &[]);
             if calibrated.reduced.is_finite() {
@@ -142,12 +145,13 @@ impl Search<'_> {
     /// Where the balance is open, the structure within what is declared may close it: no effect is needed for that.
     fn calibrate(&self, current: &mut Explained) {
         let setting = &current.fitted.setting;
-        if self.closed(setting) {
+        let (open, _) = self.study.balance_reduced(setting);
+        if open <= BALANCE_CALIBRATED {
             return;
         }
         let structural: Vec<Unknown> = current.added.iter().filter(|u| !is_law(u)).cloned().collect();
         let calibrated = self.study.balance_base(setting, &structural);
-        if calibrated.reduced.is_finite() && self.closed(&calibrated.setting) {
+        if self.closed(&calibrated.setting) && self.study.balance_reduced(&calibrated.setting).0 < open {
             current.fitted.setting = calibrated.setting;
         }
     }
@@ -183,6 +187,9 @@ impl Search<'_> {
             current = better;
             if current.complete() && current.effects.len() > 1 {
                 current = self.pruned(current, &before);
+                if current.effects.len() == before.effects.len() {
+                    self.rivals = rivals;
+                }
             }
             if current.complete() {
                 break;

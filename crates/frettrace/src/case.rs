@@ -33,6 +33,7 @@ pub fn case(measurement: &Measurement) -> Result<Case, StudyError> {
     let law = Family::named(&measurement.support.law).unwrap_or(Family::Dahl);
     let mut case =
         Case { rig: rig(measurement), records, modes: modes(measurement), law, without: Vec::new() };
+    case.open_higher_modes()?;
     if let Some(second) = &measurement.second_support {
         case.know_support(second.position)?;
     }
@@ -74,5 +75,6 @@ fn modes(measurement: &Measurement) -> DeclaredModes {
         frequency_std: scaled(&m.frequency_std),
         damping: m.damping_ratio.clone(),
         damping_std: m.damping_ratio_std.clone(),
+        measured: m.frequency.len(),
     })
 }

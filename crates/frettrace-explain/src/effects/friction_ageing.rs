@@ -32,11 +32,16 @@ impl Effect for FrictionAgeing {
     fn contact_forms(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
         let mut forms = Vec::new();
         for distance in [0.05, 0.5] {
-            forms.push(ContactForm::new(vec![
-                Change::linear(Hook::AgeingGain, 0.05, 0.02, (0.0, 2.0)),
-                Change::positive(Hook::AgeingDistance, distance * scales.slip, 1e-3),
-                Change::positive(Hook::AgeingTime, 0.02 * scales.period, 1e-3),
-            ]));
+            let ageing = || {
+                vec![
+                    Change::linear(Hook::AgeingGain, 0.05, 0.02, (0.0, 2.0)),
+                    Change::positive(Hook::AgeingDistance, distance * scales.slip, 1e-3),
+                    Change::positive(Hook::AgeingTime, 0.02 * scales.period, 1e-3),
+                ]
+            };
+            let mut ending = ageing();
+            ending.push(Change::fixed(Hook::AgeingSaturation, 1.0));
+            forms.extend([ContactForm::new(ageing()), ContactForm::new(ending)]);
         }
         forms
     }

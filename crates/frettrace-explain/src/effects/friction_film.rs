@@ -33,12 +33,24 @@ impl Effect for FrictionFilm {
         let mut forms = Vec::new();
         for speed in [0.2, 0.7] {
             for share in [0.03, 0.2] {
-                forms.push(ContactForm::new(vec![
-                    Change::between(Hook::FilmLoss, 0.2, (0.0, 0.95)),
-                    Change::positive(Hook::FilmVelocity, speed * scales.velocity, 1e-2),
-                    Change::positive(Hook::FilmRise, share * scales.period, 1e-4),
-                    Change::positive(Hook::FilmFall, share * scales.period, 1e-4),
-                ]));
+                let film = |falls: bool, smooth: bool| {
+                    let mut changes = vec![
+                        Change::between(Hook::FilmLoss, 0.2, (0.0, 0.95)),
+                        Change::positive(Hook::FilmVelocity, speed * scales.velocity, 1e-2),
+                        Change::positive(Hook::FilmRise, share * scales.period, 1e-4),
+                    ];
+                    if falls {
+                        changes.push(Change::positive(Hook::FilmFall, share * scales.period, 1e-4));
+                    }
+                    if smooth {
+                        changes.push(Change::between(Hook::FilmExponent, 1.0, (0.3, 4.0)));
+                    }
+                    ContactForm::new(changes)
+                };
+                forms.extend([film(true, false), film(true, true)]);
+                if share > 0.1 {
+                    forms.push(film(false, true));
+                }
             }
         }
         forms

@@ -29,7 +29,17 @@ impl Effect for FrictionNormalDependence {
         "two preloads at the same level: the coefficient itself changes"
     }
 
-    fn contact_forms(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<ContactForm> {
-        vec![ContactForm::new(vec![Change::linear(Hook::NormalExponent, 0.05, 0.1, (-2.0, 2.0))])]
+    fn contact_forms(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
+        let power = || {
+            vec![
+                Change::linear(Hook::NormalExponent, 0.05, 0.1, (-2.0, 2.0)),
+                // One reference for all runs: the coefficient changes from preload to preload too.
+                Change::fixed(Hook::NormalReference, scales.preload),
+            ]
+        };
+        let mut curved = power();
+        curved.push(Change::linear(Hook::NormalCurvature, 0.0, 0.1, (-2.0, 2.0)));
+        let own = vec![Change::linear(Hook::NormalExponent, 0.05, 0.1, (-2.0, 2.0))];
+        vec![ContactForm::new(own), ContactForm::new(power()), ContactForm::new(curved)]
     }
 }

@@ -37,6 +37,11 @@ impl Effect for FrictionPosition {
                 Change::signed(Hook::Position, size),
                 Change::signed(Hook::PositionSquare, size / scales.slip),
             ]),
+            ContactForm::new(vec![
+                Change::signed(Hook::Position, size),
+                Change::signed(Hook::PositionSquare, size / scales.slip),
+                Change::signed(Hook::PositionCube, size / scales.slip.powi(2)),
+            ]),
         ]
     }
 }

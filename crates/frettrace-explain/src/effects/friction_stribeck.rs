@@ -47,6 +47,12 @@ impl Effect for FrictionStribeck {
                 }
                 forms.push(ContactForm::new(changes));
             }
+            forms.push(ContactForm::new(vec![
+                Change::positive(Hook::StribeckRise, 0.3 * mu, 1e-3),
+                Change::positive(Hook::StribeckVelocity, share * scales.velocity, 1e-3),
+                Change::between(Hook::StribeckExponent, 1.5, (0.4, 6.0)),
+                Change::between(Hook::RationalShare, 0.5, (0.0, 1.0)),
+            ]));
         }
         forms
     }

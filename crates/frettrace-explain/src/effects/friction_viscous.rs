@@ -34,6 +34,13 @@ impl Effect for FrictionViscous {
             return Vec::new();
         }
         let size = 0.05 * law.get(Hook::MuKinetic).unwrap_or(0.3) * scales.preload / scales.velocity;
-        vec![ContactForm::new(vec![Change::from_zero(Hook::Viscous, size)])]
+        vec![
+            ContactForm::new(vec![Change::from_zero(Hook::Viscous, size)]),
+            // Another lubricant's curve: thinning or thickening with speed.
+            ContactForm::new(vec![
+                Change::from_zero(Hook::Viscous, size),
+                Change::signed(Hook::ViscousSquare, 0.3 * size / scales.velocity),
+            ]),
+        ]
     }
 }

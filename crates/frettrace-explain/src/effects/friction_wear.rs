@@ -30,6 +30,12 @@ impl Effect for FrictionWear {
     }
 
     fn contact_forms(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<ContactForm> {
-        vec![ContactForm::new(vec![Change::linear(Hook::Wear, 0.02, 0.05, (-0.9, 5.0))])]
+        let change = || Change::linear(Hook::Wear, 0.02, 0.05, (-0.9, 5.0));
+        let course = |start| Change::between(Hook::WearExponent, start, (0.1, 12.0));
+        vec![
+            ContactForm::new(vec![change()]),
+            ContactForm::new(vec![change(), course(0.5)]),
+            ContactForm::new(vec![change(), course(3.0)]),
+        ]
     }
 }

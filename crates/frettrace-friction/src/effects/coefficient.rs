@@ -24,9 +24,12 @@ impl<T: Scalar> ModifiedLaw<T> {
         decay + (rational - decay) * self.at(Hook::RationalShare)
     }
 
-    /// Film thickness that belongs to a steady speed, `min(|v|/v_b, 1)^{2/3}`.
+    /// Film thickness that belongs to a steady speed, `min(|v|/v_b, 1)^{2/3}`, or `1 − exp(−(|v|/v_b)^p)`.
     pub(super) fn steady_film(&self, speed: T) -> T {
         let x = speed / self.at(Hook::FilmVelocity) + 1e-9;
+        if self.on(Hook::FilmExponent) {
+            return -(-(x.ln() * self.at(Hook::FilmExponent)).exp()).exp() + 1.0;
+        }
         if x.re() < 1.0 { (x.ln() * (2.0 / 3.0)).exp() } else { T::from(1.0) }
     }
 
@@ -47,22 +50,44 @@ impl<T: Scalar> ModifiedLaw<T> {
             mu *= -(self.at(Hook::FilmLoss) * end.memory) + 1.0;
         } else if self.on(Hook::AgeingGain) {
             let age = end.memory / self.at(Hook::AgeingTime);
-            mu *= self.at(Hook::AgeingGain) * age.ln_1p() + 1.0;
+            let mut strength = age.ln_1p();
+            if self.on(Hook::AgeingSaturation) {
+                let ending = -(-age).exp() + 1.0;
+                strength += (ending - strength) * self.at(Hook::AgeingSaturation);
+            }
+            mu *= self.at(Hook::AgeingGain) * strength + 1.0;
         }
         if self.on(Hook::Asymmetry) {
             mu *= self.at(Hook::Asymmetry) * sign + 1.0;
         }
         mu *= self.place_factor(end.slip);
-        if self.on(Hook::NormalExponent) && circumstance.preload > 0.0 {
-            let ratio = end.normal / circumstance.preload;
-            if ratio.re() > 0.02 {
-                mu *= (-(ratio.ln() * self.at(Hook::NormalExponent))).exp();
-            }
+        if self.on(Hook::NormalExponent) {
+            mu *= self.normal_factor(end.normal, circumstance.preload);
         }
         if self.on(Hook::Wear) {
-            mu *= self.at(Hook::Wear) * circumstance.progress + 1.0;
+            let mut course = T::from(circumstance.progress);
+            if self.on(Hook::WearExponent) && circumstance.progress > 0.0 {
+                course = (self.at(Hook::WearExponent) * circumstance.progress.ln()).exp();
+            }
+            mu *= self.at(Hook::Wear) * course + 1.0;
         }
         if mu.re() > LEAST_FRICTION { mu } else { T::from(LEAST_FRICTION) }
+    }
+
+    /// `exp(−n·l − m·l²)`, `l = ln(N/N₀)`; 1 where the contact is all but open.
+    fn normal_factor(&self, normal: T, preload: f64) -> T {
+        let stated = self.on(Hook::NormalReference);
+        let reference = if stated { self.at(Hook::NormalReference) } else { T::from(preload) };
+        let ratio = normal / reference;
+        if reference.re() <= 0.0 || ratio.re() <= 0.02 {
+            return T::from(1.0);
+        }
+        let l = ratio.ln();
+        let mut power = self.at(Hook::NormalExponent) * l;
+        if self.on(Hook::NormalCurvature) {
+            power += self.at(Hook::NormalCurvature) * l * l;
+        }
+        (-power).exp()
     }
 
     fn place_factor(&self, slip: T) -> T {
@@ -72,6 +97,9 @@ impl<T: Scalar> ModifiedLaw<T> {
         }
         if self.on(Hook::PositionSquare) {
             factor += self.at(Hook::PositionSquare) * slip * slip;
+        }
+        if self.on(Hook::PositionCube) {
+            factor += self.at(Hook::PositionCube) * slip * slip * slip;
         }
         if self.on(Hook::PeriodicNumber) {
             let (sine, cosine) = (self.at(Hook::PeriodicNumber) * slip).sin_cos();
@@ -84,7 +112,7 @@ impl<T: Scalar> ModifiedLaw<T> {
     pub(super) fn varies(&self) -> bool {
         [Hook::StribeckRise, Hook::FilmLoss, Hook::AgeingGain, Hook::Position, Hook::PositionSquare]
             .into_iter()
-            .chain([Hook::PeriodicNumber, Hook::NormalExponent])
+            .chain([Hook::PositionCube, Hook::PeriodicNumber, Hook::NormalExponent])
             .any(|hook| self.on(hook))
     }
 }

@@ -1,7 +1,7 @@
 //! The parameters of the modified law.
 
 /// Number of hooks.
-pub const HOOKS: usize = 37;
+pub const HOOKS: usize = 43;
 
 /// A parameter of [`ModifiedLaw`](super::ModifiedLaw): those of the declared laws first, then those of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -81,6 +81,18 @@ pub enum Hook {
     SpeedLag,
     /// Time by which the velocity that sets the friction coefficient lags behind the velocity, signs included \[s\].
     VelocityLag,
+    /// Normal force at which the friction coefficient is the stated one, for its dependence on it \[N\].
+    NormalReference,
+    /// Second-order exponent of the same dependence, `ln μ ∝ −n·l − m·l²`, `l = ln(N/N₀)`.
+    NormalCurvature,
+    /// Exponent of the course of wear over the runs, `progress^k`.
+    WearExponent,
+    /// Exponent `p` of a film thickness `1 − exp(−(|v|/v_b)^p)`.
+    FilmExponent,
+    /// Share of an ageing that ends, `1 − e^{−age/time}`, beside one that goes on with the logarithm.
+    AgeingSaturation,
+    /// Relative change of the friction coefficient with slip, third order [1/m³].
+    PositionCube,
 }
 
 impl Hook {
@@ -123,6 +135,12 @@ impl Hook {
         Self::ViscousSquare,
         Self::SpeedLag,
         Self::VelocityLag,
+        Self::NormalReference,
+        Self::NormalCurvature,
+        Self::WearExponent,
+        Self::FilmExponent,
+        Self::AgeingSaturation,
+        Self::PositionCube,
     ];
 
     /// Its name in results and its unit.
@@ -166,6 +184,12 @@ impl Hook {
             Self::ViscousSquare => ("sigma2_square", "N·s^2/m^2"),
             Self::SpeedLag => ("speed_lag_time", "s"),
             Self::VelocityLag => ("velocity_lag_time", "s"),
+            Self::NormalReference => ("normal_reference", "N"),
+            Self::NormalCurvature => ("normal_curvature", "1"),
+            Self::WearExponent => ("wear_exponent", "1"),
+            Self::FilmExponent => ("film_exponent", "1"),
+            Self::AgeingSaturation => ("ageing_saturation", "1"),
+            Self::PositionCube => ("position_cube", "1/m^3"),
         }
     }
 }
