@@ -134,26 +134,6 @@ impl Study<'_> {
         (sum.0 / f64::max(sum.1, 1.0), worst)
     }
 
-    /// Whether the balance of the other sensors closes when one is left out.
-    pub(crate) fn one_sensor_closes(&self, setting: &Setting, limit: f64) -> bool {
-        let sensors = self.case.rig.sensors.len();
-        sensors >= 4
-            && (0..sensors).any(|silent| {
-                let mut runs = self.model.runs.clone();
-                for run in &mut runs {
-                    run.deviation[silent].iter_mut().for_each(|d| *d *= 1e6);
-                }
-                let Ok(model) = AccelerationModel::new(self.model.rig.clone(), runs) else { return false };
-                let Ok(balances) = model.balance(setting, &self.training) else { return false };
-                let (chi, freedom) = balances
-                    .iter()
-                    .map(Balance::chi_squared)
-                    .fold((0.0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
-                let left = freedom as f64 * (sensors - 2) as f64 / (sensors - 1) as f64;
-                chi < limit * left
-            })
-    }
-
     fn structure_unknowns(&self) -> Vec<Unknown> {
         let modal = |q: Quantity| matches!(q, Quantity::ModeFrequency(_) | Quantity::ModeDamping(_));
         self.case.unknowns().into_iter().filter(|u| modal(u.quantity)).collect()

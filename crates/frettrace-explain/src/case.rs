@@ -1,6 +1,6 @@
 //! What is declared: the rig, its runs, and how well its values are known.
 
-use crate::{ExplainError, RunRecord, Unknown};
+use crate::{ChannelFault, ExplainError, RunRecord, Unknown};
 use frettrace_beam::{ModalModel, ModalOptions};
 use frettrace_forward::accelerations::{
     AccelerationModel, Beside, COEFFICIENTS, Port, PortLaw, PortPlace, Quantity, Rig, SensorSetting, Setting,
@@ -35,6 +35,8 @@ pub struct Case {
     pub modes: DeclaredModes,
     /// The declared law.
     pub law: Family,
+    /// Faults of channels, mended in the runs.
+    pub faults: Vec<ChannelFault>,
     /// Ids of effects that are left out of the search.
     pub without: Vec<String>,
 }
@@ -54,6 +56,8 @@ pub struct Scales {
     pub length: f64,
     /// Mass of the beam (kg).
     pub mass: f64,
+    /// Lines of the base frequency up to the excitation's.
+    pub subharmonic: usize,
 }
 
 /// A positive unknown of the law, fitted in its logarithm.
@@ -122,6 +126,7 @@ impl Case {
             drift: 0.0,
             contact_compliance: 0.0,
             base: None,
+            base_line: 0,
             sensors: vec![SensorSetting::default(); self.rig.sensors.len()],
         }
     }

@@ -22,7 +22,6 @@ pub(crate) struct Recovered {
     dt: f64,
     preload: f64,
     progress: f64,
-    fundamental: usize,
 }
 
 /// Highest line (of the excitation) kept at contact level.
@@ -78,15 +77,13 @@ impl Recovered {
             dt,
             preload: lines.preload,
             progress: lines.progress,
-            fundamental: subharmonic,
         })
     }
 
     fn circumstance(&self, k: usize, modulation: Option<usize>) -> Circumstance {
         let samples = self.slip.len();
         let phase = |k: usize, order: usize| {
-            let angle =
-                std::f64::consts::TAU * ((order * self.fundamental * k) % samples) as f64 / samples as f64;
+            let angle = std::f64::consts::TAU * ((order * k) % samples) as f64 / samples as f64;
             [angle.cos(), angle.sin()]
         };
         Circumstance {

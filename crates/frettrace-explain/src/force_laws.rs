@@ -188,19 +188,51 @@ pub(crate) fn regress(histories: &[History], shape: &Shape) -> Option<Answer> {
     [refined, plain].into_iter().flatten().min_by(|a, b| a.chi.total_cmp(&b.chi))
 }
 
-/// Linear coefficients by least squares at a threshold.
+/// Whether a coefficient dissipates, so that it cannot be negative.
+fn dissipates(law: PortLaw, coefficient: usize) -> bool {
+    match law {
+        PortLaw::Polynomial => matches!(coefficient, 1 | 3),
+        PortLaw::Gap | PortLaw::Stop => coefficient == 2,
+        PortLaw::Friction => coefficient == 0,
+        _ => false,
+    }
+}
+
+/// Whether a coefficient is the stiffness of a support, which cannot be negative.
+fn carries(law: PortLaw, coefficient: usize) -> bool {
+    matches!(law, PortLaw::Polynomial | PortLaw::Gap | PortLaw::Stop) && coefficient == 0
+}
+
+/// Linear coefficients by least squares at a threshold, none of them against physics: a negative dashpot is left out, a
+/// negative spring is no support.
 fn linear_fit(histories: &[History], shape: &Shape, threshold: f64) -> Option<Answer> {
+    let mut linear = shape.linear.to_vec();
+    loop {
+        let found = solve(histories, shape, (threshold, &linear))?;
+        let negative = linear.iter().position(|&k| dissipates(shape.law, k) && found.coefficients[k] < 0.0);
+        match negative {
+            Some(place) if linear.len() > 1 => drop(linear.remove(place)),
+            Some(_) => return None,
+            None if linear.iter().any(|&k| carries(shape.law, k) && found.coefficients[k] < 0.0) => {
+                return None;
+            }
+            None => return Some(found),
+        }
+    }
+}
+
+fn solve(histories: &[History], shape: &Shape, (threshold, linear): (f64, &[usize])) -> Option<Answer> {
     let mut at = [1.0, threshold, 0.0, shape.side];
     if !matches!(shape.law, PortLaw::Gap | PortLaw::Stop | PortLaw::Friction) {
         at = [0.0; COEFFICIENTS];
     }
     let rows: usize = histories.iter().map(History::count).sum();
-    let width = shape.linear.len();
+    let width = linear.len();
     let mut matrix = DMatrix::zeros(rows, width);
     let mut right = DVector::zeros(rows);
     let mut row = 0;
     for history in histories {
-        let columns = history.columns(shape.law, &at, shape.linear);
+        let columns = history.columns(shape.law, &at, linear);
         for (h, force) in history.force.iter().enumerate() {
             right[row] = force.re;
             right[row + 1] = force.im;
@@ -222,7 +254,7 @@ fn linear_fit(histories: &[History], shape: &Shape, threshold: f64) -> Option<An
     let solution = normal.cholesky()?.solve(&(matrix.transpose() * &right));
     let chi = (&right - &matrix * &solution).norm_squared();
     let mut coefficients = at;
-    for (c, &k) in shape.linear.iter().enumerate() {
+    for (c, &k) in linear.iter().enumerate() {
         coefficients[k] = solution[c] / scale[c];
     }
     Some(Answer { chi, coefficients })

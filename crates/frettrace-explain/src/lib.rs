@@ -2,6 +2,7 @@
 
 mod balance_fit;
 mod case;
+mod channels;
 mod contact_fit;
 pub(crate) mod effects;
 mod exhibit;
@@ -16,6 +17,7 @@ mod unknown_force;
 mod verdict;
 
 pub use case::{Case, DeclaredModes, Scales, positive, signed};
+pub use channels::{ChannelFault, Clipped, records};
 pub use effects::effect_ids;
 pub use exhibit::{Exhibit, Loop, exhibits};
 pub use fitting::{AccelerationFit, Unknown};

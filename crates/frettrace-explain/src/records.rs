@@ -1,5 +1,6 @@
 //! Runs as the model needs them: base frequency, lines with their deviations, and what lies beside the lines.
 
+use crate::Clipped;
 use frettrace_forward::accelerations::RunLines;
 use frettrace_fourier::{Lines, Projected, ProjectionError, Projector, refine};
 use num_complex::Complex64;
@@ -36,6 +37,10 @@ pub struct RunRecord {
     pub noise: Vec<f64>,
     /// Share of the power in lines above the trusted band, which nothing is compared with.
     pub untrusted: f64,
+    /// Mean square of what a fault of each sensor added ((m/s²)²), mended in everything else here.
+    pub excess: Vec<f64>,
+    /// Saturation of each sensor; its lines carry no weight.
+    pub clipped: Vec<Option<Clipped>>,
     /// What neither lines nor a constant hold, sample by sample.
     pub residual: Vec<Vec<f64>>,
     /// Samples of the run.
@@ -44,6 +49,8 @@ pub struct RunRecord {
     pub sampling_rate: f64,
 }
 
+/// Factor on the deviation of a sensor that says nothing.
+const SILENT: f64 = 1e6;
 /// Highest line kept for a model, however high the sampling rate: contact forces have decayed far below any noise.
 const MOST_LINES: usize = 160;
 /// Share of the band below half the sampling rate that is trusted: above it anti-alias filters bend every channel.
@@ -105,6 +112,35 @@ impl RunRecord {
         Ok(Self::assemble(run, (channels, force), noise, (subharmonic, periodic, progress)))
     }
 
+    /// Takes the weight from sensors that clip, as long as three others are left.
+    pub(crate) fn silence(&mut self, clipped: &[Option<Clipped>]) {
+        if clipped.iter().filter(|c| c.is_none()).count() < crate::channels::LEAST_LEFT {
+            return;
+        }
+        self.clipped = clipped.to_vec();
+        for (sensor, _) in clipped.iter().enumerate().filter(|(_, c)| c.is_some()) {
+            self.lines.deviation[sensor].iter_mut().for_each(|d| *d *= SILENT);
+        }
+    }
+
+    /// Mean square of measured minus predicted in a sensor that clips, with the prediction clipped alike.
+    pub(crate) fn clipped_error(&self, sensor: usize, predicted: &[Complex64]) -> Option<f64> {
+        self.clipped[sensor].as_ref().map(|clipped| self.mean_square_error(clipped, predicted))
+    }
+
+    /// Mean square of what a channel read minus predicted lines, cut at its limits.
+    pub(crate) fn mean_square_error(&self, clipped: &Clipped, predicted: &[Complex64]) -> f64 {
+        let step = Complex64::from_polar(1.0, self.lines.omega / self.sampling_rate);
+        let mut turn = Complex64::ONE;
+        let mut sum = 0.0;
+        for raw in &clipped.raw {
+            let wave = predicted.iter().rev().fold(Complex64::ZERO, |sum, line| sum * turn + line).re;
+            sum += (raw - wave.clamp(clipped.limits[0], clipped.limits[1])).powi(2);
+            turn *= step;
+        }
+        sum / clipped.raw.len().max(1) as f64
+    }
+
     fn assemble(
         run: &RunSamples<'_>,
         (channels, force): (Vec<Projected>, Projected),
@@ -159,6 +195,8 @@ impl RunRecord {
             beside,
             untrusted: beyond / power.iter().sum::<f64>().max(f64::MIN_POSITIVE),
             power,
+            excess: vec![0.0; run.acceleration.len()],
+            clipped: vec![None; run.acceleration.len()],
             noise,
             residual: channels.into_iter().map(|c| c.residual).collect(),
             samples,

@@ -108,6 +108,7 @@ pub(crate) fn scales(case: &Case, histories: &[ContactHistory]) -> Scales {
         preload: mean_preload(case),
         length: case.rig.beam.length,
         mass: case.rig.beam.mass_per_length * case.rig.beam.length,
+        subharmonic: first.map_or(1, |r| r.subharmonic),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::case::Scales;
 use crate::start;
-use crate::{AccelerationFit, Case, Unknown};
+use crate::{AccelerationFit, Case, Clipped, Unknown};
 use frettrace_forward::accelerations::{
     AccelerationError, AccelerationModel, Memory, Prediction, Quantity, Setting,
 };
@@ -165,7 +165,8 @@ impl<'a> Study<'a> {
             .collect()
     }
 
-    /// Error of a run, sensor by sensor; a run that cannot be predicted is missed entirely.
+    /// Error of a run, sensor by sensor, with the faults of its channels in the model; a run that cannot be predicted is missed
+    /// entirely.
     #[must_use]
     pub fn sensor_errors(&self, run: usize, prediction: Option<&Prediction>) -> Vec<RunError> {
         let record = &self.case.records[run];
@@ -177,7 +178,7 @@ impl<'a> Study<'a> {
                     let lines: f64 = (measured.iter().zip(&p[s]).enumerate())
                         .map(|(h, (a, b))| (a - b).norm_sqr() * if h == 0 { 1.0 } else { 0.5 })
                         .sum();
-                    lines + record.beside[s]
+                    record.clipped_error(s, &p[s]).unwrap_or(lines + record.beside[s])
                 });
                 RunError {
                     error: missed * samples,
@@ -187,6 +188,28 @@ impl<'a> Study<'a> {
                 }
             })
             .collect()
+    }
+
+    /// Error of the selected runs as they were read: the faults of the channels are no part of the model.
+    #[must_use]
+    pub fn error_as_read(&self, fitted: &Fitted, selected: &[usize]) -> RunError {
+        let mut sum = self.error(fitted, selected);
+        let predictions = self.predictions(fitted, selected);
+        for (&run, prediction) in selected.iter().zip(&predictions) {
+            let record = &self.case.records[run];
+            let samples = record.samples as f64;
+            sum.error += record.excess.iter().sum::<f64>() * samples;
+            for (s, clipped) in record.clipped.iter().enumerate().filter(|(_, c)| c.is_some()) {
+                let Some(p) = prediction else { continue };
+                let free = Clipped {
+                    limits: [f64::NEG_INFINITY, f64::INFINITY],
+                    ..clipped.clone().unwrap_or_default()
+                };
+                let unclipped = record.mean_square_error(&free, &p[s]);
+                sum.error += (unclipped - record.clipped_error(s, &p[s]).unwrap_or(unclipped)) * samples;
+            }
+        }
+        sum
     }
 
     /// Error of the selected runs together.

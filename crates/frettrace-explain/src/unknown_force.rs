@@ -4,7 +4,7 @@
 //! [`crate::force_laws`] then answer the recovered motion there.
 
 use crate::balance_fit::BalanceCandidate;
-use crate::effects::{ALL, FREE, StructureForm};
+use crate::effects::{ALL, EffectPlace, FREE, StructureForm};
 use crate::force_laws::{Answer, History, names, regress, shapes};
 use crate::{Study, Unknown, signed};
 use frettrace_forward::accelerations::{Beside, Port, PortLaw, PortPlace, Quantity, Setting};
@@ -29,10 +29,14 @@ impl Located {
 
 /// Places tried along the beam before the best is refined.
 const PLACES: usize = 48;
+/// The first of them: a force nearer the clamp is the clamp's.
+const CLAMP: usize = 2;
 /// Modes that may carry a force of their own.
 const MODES: usize = 3;
 /// Share of the open balance that a force at one place must explain to be worth a law.
 const WORTH: f64 = 0.3;
+/// The exciter's own place competes with any other by its χ² times this: a refined place is always a little better.
+const EXCITER: f64 = 0.9;
 /// Places are of equal standing within this factor of the best.
 const NEAR: f64 = 1.3;
 
@@ -54,7 +58,7 @@ impl Study<'_> {
         }
         let length = self.scales.length;
         let mut places: Vec<PortPlace> =
-            (1..PLACES).map(|k| PortPlace::At(length * k as f64 / PLACES as f64)).collect();
+            (CLAMP..PLACES).map(|k| PortPlace::At(length * k as f64 / PLACES as f64)).collect();
         places.push(PortPlace::Support);
         places.extend((0..setting.frequency.len().min(MODES)).map(PortPlace::Mode));
         let mut found: Vec<Located> =
@@ -65,6 +69,29 @@ impl Study<'_> {
         }
         found.sort_by(|a, b| a.chi.total_cmp(&b.chi));
         found
+    }
+
+    /// Where an open balance is open: one more free value a line closes it best at one sensor, as a motion of the clamp, at the
+    /// exciter, or as a force elsewhere on the beam. All have the same number of unknowns, so χ² alone decides.
+    pub(crate) fn open_place(&self, setting: &Setting) -> EffectPlace {
+        let sensors = self.case.rig.sensors.len();
+        let mut plain = setting.clone();
+        plain.ports.clear();
+        let mut tried: Vec<(EffectPlace, f64)> = (0..sensors)
+            .map(|s| (EffectPlace::Measurement, Beside::Sensor(s)))
+            .chain([(EffectPlace::Excitation, Beside::Base)])
+            .map(|(place, beside)| (place, self.chi_beside(&plain, beside)))
+            .collect();
+        let exciter = PortPlace::At(self.case.rig.exciter);
+        tried.extend(self.located_at(&plain, exciter).map(|l| (EffectPlace::Excitation, EXCITER * l.chi)));
+        tried.extend(self.locate(&plain).first().map(|l| (EffectPlace::Structure, l.chi)));
+        let best = tried.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        best.map_or(EffectPlace::Structure, |(place, _)| *place)
+    }
+
+    fn chi_beside(&self, setting: &Setting, beside: Beside) -> f64 {
+        let found = self.model.balance_beside(setting, &self.training, beside);
+        found.map_or(f64::INFINITY, |all| all.iter().map(|b| b.chi_squared().0).sum())
     }
 
     /// Golden section around a place.
@@ -96,7 +123,7 @@ impl Study<'_> {
     pub(crate) fn force_candidates(&self, setting: &Setting, plain: f64) -> Vec<BalanceCandidate> {
         let mut located = self.locate(setting);
         let mut setting = setting.clone();
-        if let Some(first) = located.first().filter(|l| self.case.loosely_known() && l.chi < WORTH * plain) {
+        if let Some(first) = located.first().filter(|l| l.chi < WORTH * plain) {
             // The structure within its standard deviations and the place of the force, one after the other.
             let mut calibrated = self.calibrated_beside(&with_only(&setting, first.place));
             calibrated.ports = setting.ports;

@@ -4,7 +4,7 @@ use crate::balance_fit::BalanceCandidate;
 use crate::effects::{ALL, EffectPlace};
 use crate::search::Explained;
 use crate::study::merge;
-use crate::{Case, ExplainError, RunError, Study, Unknown};
+use crate::{Case, ChannelFault, ExplainError, RunError, Study, Unknown};
 use frettrace_forward::accelerations::{Quantity, Setting};
 
 /// The outcome.
@@ -263,7 +263,12 @@ impl Search<'_> {
     /// an open balance bends the structure to what is missing.
     fn structural_start(&self, current: &Explained) -> Setting {
         if current.effects.is_empty() {
-            self.study.case.setting(current.fitted.setting.law)
+            let declared = self.study.case.setting(current.fitted.setting.law);
+            if !self.study.case.loosely_known() {
+                return declared;
+            }
+            let calibrated = self.study.balance_base(&declared, &[]);
+            if calibrated.reduced.is_finite() { calibrated.setting } else { declared }
         } else {
             current.fitted.setting.clone()
         }
@@ -278,6 +283,14 @@ impl Search<'_> {
             candidates.extend(self.study.force_candidates(&setting, plain.criterion));
         }
         candidates.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        // One form of each effect is re-fitted.
+        let mut seen = Vec::new();
+        candidates.retain(|c| {
+            !seen.contains(&c.effect) && {
+                seen.push(c.effect);
+                true
+            }
+        });
         self.tried.extend(candidates.iter().map(|c| Tried {
             id: ALL[c.effect].id(),
             error: f64::NAN,
@@ -318,18 +331,33 @@ impl Search<'_> {
     }
 
     fn outcome(mut self, baseline: Explained, model: Explained) -> Outcome {
-        let complete = model.complete() || model.sufficient(&baseline);
-        let verdict = match (model.effects.is_empty(), complete) {
+        let faults = &self.study.case.faults;
+        let named: Vec<&ChannelFault> = faults.iter().filter(|f| self.study.case.allows(f.id)).collect();
+        let nameless = named.len() < faults.len();
+        let filled = model.complete() || model.sufficient(&baseline);
+        let complete = filled && !nameless;
+        let verdict = match (model.effects.is_empty() && named.is_empty(), complete) {
             (true, true) => Verdict::NothingMissing,
             (false, true) => Verdict::Explained,
             _ => Verdict::Unexplained,
         };
         let place = match verdict {
             Verdict::NothingMissing => None,
+            Verdict::Explained if model.effects.is_empty() => Some(EffectPlace::Measurement),
             Verdict::Explained => model.effects.first().map(|&e| ALL[e].place()),
+            Verdict::Unexplained if nameless && filled => Some(EffectPlace::Measurement),
             Verdict::Unexplained => Some(self.place(&model)),
         };
-        let effects = if verdict == Verdict::Explained { self.named(&model) } else { Vec::new() };
+        let effects: Vec<Named> = if verdict == Verdict::Explained {
+            named.iter().map(|fault| faulty(fault)).chain(self.named(&model)).collect()
+        } else {
+            Vec::new()
+        };
+        self.tried.extend(faults.iter().map(|fault| Tried {
+            id: fault.id,
+            error: f64::NAN,
+            evidence: fault.evidence,
+        }));
         self.tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
         let study = self.study;
         let untrusted = study.case.records.iter().map(|r| r.untrusted).fold(0.0, f64::max);
@@ -345,7 +373,8 @@ impl Search<'_> {
         }
         self.notes
             .push("mean friction, preload, mean position and drift cannot be seen by accelerometers".into());
-        let errors = |runs: &[usize]| [&baseline, &model].map(|m| study.error(&m.fitted, runs));
+        let errors =
+            |runs: &[usize]| [study.error_as_read(&baseline.fitted, runs), study.error(&model.fitted, runs)];
         Outcome {
             verdict,
             effects,
@@ -367,10 +396,7 @@ impl Search<'_> {
         if self.closed(&model.fitted.setting) {
             return EffectPlace::Contact;
         }
-        if self.study.one_sensor_closes(&model.fitted.setting, BALANCE_CLOSED) {
-            return EffectPlace::Measurement;
-        }
-        EffectPlace::Structure
+        self.study.open_place(&self.structural_start(&model))
     }
 
     fn named(&self, model: &Explained) -> Vec<Named> {
@@ -402,6 +428,20 @@ impl Search<'_> {
                 }
             })
             .collect()
+    }
+}
+
+/// A fault of a channel as a named effect: it was seen in the samples themselves.
+fn faulty(fault: &ChannelFault) -> Named {
+    let effect = ALL.iter().find(|e| e.id() == fault.id);
+    Named {
+        id: fault.id,
+        probability: 1.0,
+        position: None,
+        sensor: Some(fault.sensor),
+        parameters: fault.parameters.clone(),
+        indistinguishable: Vec::new(),
+        experiment: effect.map_or("", |e| e.experiment()),
     }
 }
 

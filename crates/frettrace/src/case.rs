@@ -2,7 +2,7 @@
 
 use crate::StudyError;
 use frettrace_beam::{Boundary, UniformBeam};
-use frettrace_explain::{Case, DeclaredModes, RunRecord, RunSamples};
+use frettrace_explain::{Case, DeclaredModes, RunSamples};
 use frettrace_forward::accelerations::Rig;
 use frettrace_identify::contact::Family;
 use frettrace_measurement::{Measurement, SlipKind};
@@ -15,24 +15,23 @@ const MODES: usize = 40;
 /// # Errors
 /// [`StudyError::Run`] where the lines of a run cannot be found.
 pub fn case(measurement: &Measurement) -> Result<Case, StudyError> {
-    let last = measurement.runs.len().saturating_sub(1).max(1) as f64;
     let noise = measurement.sensors.noise_std.as_deref();
-    let mut records = Vec::with_capacity(measurement.runs.len());
-    for (index, run) in measurement.runs.iter().enumerate() {
-        let samples = RunSamples {
+    let samples: Vec<RunSamples<'_>> = measurement
+        .runs
+        .iter()
+        .map(|run| RunSamples {
             sampling_rate: run.sampling_rate,
             excitation_frequency: run.excitation_frequency,
             preload: run.preload,
             force: &run.force,
             acceleration: &run.acceleration,
-        };
-        let record = RunRecord::new(&samples, noise, index as f64 / last)
-            .map_err(|source| StudyError::Run { run: run.id.clone(), source })?;
-        records.push(record);
-    }
+        })
+        .collect();
+    let (records, faults) = frettrace_explain::records(&samples, noise)
+        .map_err(|(k, source)| StudyError::Run { run: measurement.runs[k].id.clone(), source })?;
     let law = Family::named(&measurement.support.law).unwrap_or(Family::Dahl);
     let mut case =
-        Case { rig: rig(measurement), records, modes: modes(measurement), law, without: Vec::new() };
+        Case { rig: rig(measurement), records, modes: modes(measurement), law, faults, without: Vec::new() };
     case.open_higher_modes()?;
     if let Some(second) = &measurement.second_support {
         case.know_support(second.position)?;

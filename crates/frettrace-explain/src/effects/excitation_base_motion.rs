@@ -1,6 +1,6 @@
 //! `excitation.base-motion`.
 //!
-//! *Adds*: a motion of the clamp in proportion to the excitation force.
+//! *Adds*: a motion of the clamp in proportion to the excitation force, or of its own size on one line.
 //!
 //! *Shows as*: all sensors share a motion that no force on the beam gives.
 //!
@@ -30,13 +30,17 @@ impl Effect for ExcitationBaseMotion {
     }
 
     fn structure_forms(&self, case: &Case, setting: &Setting, _scales: &Scales) -> Vec<StructureForm> {
-        let mut setting = setting.clone();
-        setting.base = Some([0.0, 0.0]);
-        let scale = 1e-3 / spring_scale(case);
-        let unknowns = vec![
-            signed(Quantity::BaseReal, ("base_motion_real", "m/N"), scale, FREE),
-            signed(Quantity::BaseImaginary, ("base_motion_imaginary", "m/N"), scale, FREE),
-        ];
-        vec![StructureForm { setting, unknowns, sensor: None }]
+        let own = case.records.first().map_or(1, |r| r.subharmonic);
+        // In proportion to the excitation, or with an acceleration of its own on the excitation's line or its double.
+        [(0, "m/N", 1e-3 / spring_scale(case)), (own, "m/s^2", 0.1), (2 * own, "m/s^2", 0.1)]
+            .map(|(line, unit, scale)| {
+                let setting = Setting { base: Some([0.0, 0.0]), base_line: line, ..setting.clone() };
+                let unknowns = vec![
+                    signed(Quantity::BaseReal, ("base_motion_real", unit), scale, FREE),
+                    signed(Quantity::BaseImaginary, ("base_motion_imaginary", unit), scale, FREE),
+                ];
+                StructureForm { setting, unknowns, sensor: None }
+            })
+            .into()
     }
 }

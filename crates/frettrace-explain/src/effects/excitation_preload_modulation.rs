@@ -29,8 +29,11 @@ impl Effect for ExcitationPreloadModulation {
         "a load cell under the support"
     }
 
-    fn contact_forms(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<ContactForm> {
-        [1, 2]
+    fn contact_forms(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
+        let driven = scales.subharmonic.max(1);
+        // The excitation's line, its double, and the lines below it where the base frequency is a fraction of it.
+        (1..driven)
+            .chain([driven, 2 * driven])
             .map(|order| {
                 let mut form = ContactForm::new(vec![
                     Change::linear(Hook::ModulationCosine, 0.02, 0.05, (-1.5, 1.5)),
@@ -39,6 +42,6 @@ impl Effect for ExcitationPreloadModulation {
                 form.modulation = order;
                 form
             })
-            .into()
+            .collect()
     }
 }

@@ -119,7 +119,7 @@ impl AccelerationModel {
                 .transmissibility(lines.omega, lines.contact_order, self.rig.lever.is_some())
                 .into_iter()
                 .enumerate()
-                .map(|(k, t)| t * factor * lines.force.get(k / rows).copied().unwrap_or_default())
+                .map(|(k, t)| t * factor * lines.clamp_unit(setting.base_line, k / rows))
                 .collect()
         });
         Prepared { block, base }
@@ -408,7 +408,7 @@ impl Differentiation<'_> {
             .transmissibility(e.lines.omega, e.order(), e.rotation)
             .into_iter()
             .enumerate()
-            .map(|(k, t)| t * unit * e.lines.force.get(k / rows).copied().unwrap_or_default())
+            .map(|(k, t)| t * unit * e.lines.clamp_unit(e.setting.base_line, k / rows))
             .collect()
     }
 }

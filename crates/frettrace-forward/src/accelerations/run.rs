@@ -38,6 +38,23 @@ impl RunLines {
     }
 }
 
+impl RunLines {
+    /// Motion of the clamp on a line for a unit value of its setting ([`super::Setting::base_line`]).
+    pub(super) fn clamp_unit(&self, base_line: usize, line: usize) -> Complex64 {
+        let force = self.force.get(line).copied().unwrap_or_default();
+        if base_line == 0 {
+            return force;
+        }
+        if line != base_line {
+            return Complex64::ZERO;
+        }
+        let largest = self.force.iter().map(|f| f.norm()).fold(0.0, f64::max);
+        let driven = self.force.iter().position(|f| f.norm() > 0.5 * largest).unwrap_or(1).max(1);
+        let phase = self.force.get(driven).map_or(0.0, |f| f.arg()) * line as f64 / driven as f64;
+        Complex64::from_polar(-(line as f64 * self.omega).powi(-2), phase)
+    }
+}
+
 /// Force harmonics of all ports (friction first), `2H + 1` reals each.
 pub(super) type Unknowns = Vec<f64>;
 

@@ -122,8 +122,11 @@ pub struct Setting {
     pub drift: f64,
     /// Local compliance of the contact beside that of the modes (m/N).
     pub contact_compliance: f64,
-    /// Motion of the clamp per excitation force (m/N), real and imaginary part.
+    /// Motion of the clamp, real and imaginary part: per excitation force (m/N), or an acceleration (m/s²) on one line.
     pub base: Option<[f64; 2]>,
+    /// The line on which the clamp has an acceleration of its own, in phase with the excitation; 0 where its motion follows
+    /// the excitation on every line.
+    pub base_line: usize,
     /// Sensors.
     pub sensors: Vec<SensorSetting>,
 }

@@ -1,0 +1,184 @@
+//! Channels at fault, found in their own samples before any model is blamed: dropouts, clipping, mains hum, offsets.
+//!
+//! What a fault spoils is mended or left out, so that everything after works on what the channel would have read; the
+//! difference counts in the error before.
+
+mod clipping;
+mod dropout;
+mod hum;
+
+use crate::{RunRecord, RunSamples};
+use frettrace_fourier::ProjectionError;
+
+/// A fault of a channel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChannelFault {
+    /// The id of the effect.
+    pub id: &'static str,
+    /// Index of the sensor.
+    pub sensor: usize,
+    /// Name, unit, value and standard deviation of what describes it.
+    pub parameters: Vec<(String, String, f64, f64)>,
+    /// χ² that it explains.
+    pub evidence: f64,
+}
+
+/// Saturation of one channel in one run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Clipped {
+    /// Lowest and highest value that the channel reads (m/s²).
+    pub limits: [f64; 2],
+    /// What it read.
+    pub raw: Vec<f64>,
+}
+
+/// Sensors that must be left in a run for one to be left out.
+pub(crate) const LEAST_LEFT: usize = 3;
+/// What lies beside the lines over the noise from which hum is looked for.
+const LOUD: f64 = 1.15;
+/// Standard errors by which the mean of a channel must differ from nothing to be an offset.
+const OFFSET_CLAIM: f64 = 8.0;
+
+/// Lines of all runs, with the faults of the channels found and mended.
+///
+/// # Errors
+/// Index of the run whose lines cannot be found, and why.
+pub fn records(
+    runs: &[RunSamples<'_>],
+    noise: Option<&[f64]>,
+) -> Result<(Vec<RunRecord>, Vec<ChannelFault>), (usize, ProjectionError)> {
+    let mut channels = Channels::new(runs);
+    let mut faults = clipping::find(runs, noise, &mut channels);
+    faults.extend(dropout::find(runs, &mut channels));
+    let mut records = channels.records(runs, noise)?;
+    if records.iter().any(|r| more_than_noise(r, noise)) {
+        let found = hum::find(runs, noise, &mut channels);
+        if !found.is_empty() {
+            faults.extend(found);
+            records = channels.records(runs, noise)?;
+        }
+    }
+    faults.extend(offsets(&mut records));
+    Ok((records, faults))
+}
+
+/// Signals of all runs as far as they are mended: `[run][sensor]`.
+struct Channels {
+    signal: Vec<Vec<Vec<f64>>>,
+    clipped: Vec<Vec<Option<Clipped>>>,
+}
+
+impl Channels {
+    fn new(runs: &[RunSamples<'_>]) -> Self {
+        Self {
+            signal: runs.iter().map(|r| r.acceleration.to_vec()).collect(),
+            clipped: runs.iter().map(|r| vec![None; r.acceleration.len()]).collect(),
+        }
+    }
+
+    /// Leaves a sensor out where it clips, as long as three others are left there: a flat top is no motion.
+    fn blank(&mut self, sensor: usize) {
+        for (signal, clipped) in self.signal.iter_mut().zip(&self.clipped) {
+            if clipped[sensor].is_some() && clipped.iter().filter(|c| c.is_none()).count() >= LEAST_LEFT {
+                signal[sensor].fill(0.0);
+            }
+        }
+    }
+
+    fn records(
+        &self,
+        runs: &[RunSamples<'_>],
+        noise: Option<&[f64]>,
+    ) -> Result<Vec<RunRecord>, (usize, ProjectionError)> {
+        let last = runs.len().saturating_sub(1).max(1) as f64;
+        runs.iter()
+            .enumerate()
+            .map(|(k, run)| {
+                let mended = RunSamples { acceleration: &self.signal[k], ..run.clone() };
+                let mut record =
+                    RunRecord::new(&mended, noise, k as f64 / last).map_err(|source| (k, source))?;
+                for (s, raw) in run.acceleration.iter().enumerate() {
+                    record.power[s] = mean_square(raw.iter().copied());
+                }
+                let channels = run.acceleration.iter().zip(&self.signal[k]).zip(&self.clipped[k]);
+                record.excess = channels
+                    .map(|((raw, mended), clipped)| match clipped {
+                        Some(_) => 0.0,
+                        None => mean_square(raw.iter().zip(mended).map(|(a, b)| a - b)),
+                    })
+                    .collect();
+                record.silence(&self.clipped[k]);
+                Ok(record)
+            })
+            .collect::<Result<Vec<_>, _>>()
+            .map(known_noise)
+    }
+}
+
+/// Whether a channel holds more beside the lines than noise, or the lines are those of a fraction of the excitation.
+fn more_than_noise(record: &RunRecord, noise: Option<&[f64]>) -> bool {
+    let left = record.residual.iter().map(|r| mean_square(r.iter().copied()).sqrt());
+    let loud = left.enumerate().any(|(s, left)| left > LOUD * noise.map_or(record.noise[s], |n| n[s]));
+    loud || !record.periodic || record.subharmonic > 1
+}
+
+/// Gives a sensor that is left out in a run the noise it has in the others.
+fn known_noise(mut records: Vec<RunRecord>) -> Vec<RunRecord> {
+    let sensors = records.first().map_or(0, |r| r.noise.len());
+    for sensor in 0..sensors {
+        let heard: Vec<f64> = records.iter().map(|r| r.noise[sensor]).filter(|n| *n > 0.0).collect();
+        let usual = heard.iter().sum::<f64>() / heard.len().max(1) as f64;
+        for record in records.iter_mut().filter(|r| r.noise[sensor] <= 0.0) {
+            record.noise[sensor] = usual;
+        }
+    }
+    records
+}
+
+fn mean_square(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = values.len().max(1) as f64;
+    values.map(|v| v * v).sum::<f64>() / count
+}
+
+/// Samples of one period of the excitation.
+fn period(run: &RunSamples<'_>) -> usize {
+    (run.sampling_rate / run.excitation_frequency).round().max(1.0) as usize
+}
+
+/// Offsets: line 0 of a channel off by the same amount in all runs, taken out of the lines.
+fn offsets(records: &mut [RunRecord]) -> Vec<ChannelFault> {
+    let sensors = records.first().map_or(0, |r| r.power.len());
+    let mut faults = Vec::new();
+    for sensor in 0..sensors {
+        // Line 0 and its deviation in each run; the scatter between runs counts where it is larger.
+        let seen: Vec<(f64, f64)> = records
+            .iter()
+            .filter(|r| r.periodic && r.clipped[sensor].is_none())
+            .map(|r| {
+                (r.lines.acceleration[sensor][0].re, r.lines.deviation[sensor][0].max(f64::MIN_POSITIVE))
+            })
+            .collect();
+        if seen.len() < 2 {
+            continue;
+        }
+        let weights: f64 = seen.iter().map(|(_, d)| d.powi(-2)).sum();
+        let mean = seen.iter().map(|(m, d)| m * d.powi(-2)).sum::<f64>() / weights;
+        let scatter =
+            seen.iter().map(|(m, d)| ((m - mean) / d).powi(2)).sum::<f64>() / (seen.len() - 1) as f64;
+        let deviation = weights.sqrt().recip() * scatter.max(1.0).sqrt();
+        if mean.abs() < OFFSET_CLAIM * deviation {
+            continue;
+        }
+        for record in records.iter_mut() {
+            record.lines.acceleration[sensor][0].re -= mean;
+            record.excess[sensor] += mean * mean;
+        }
+        faults.push(ChannelFault {
+            id: "measurement.offset",
+            sensor,
+            parameters: vec![("offset".into(), "m/s^2".into(), mean, deviation)],
+            evidence: (mean / deviation).powi(2),
+        });
+    }
+    faults
+}

@@ -1,0 +1,167 @@
+//! Mains hum: a tone of a fixed frequency that is no line of the motion.
+
+use super::{ChannelFault, Channels};
+use crate::RunSamples;
+use frettrace_fourier::{Lines, Projector, refine};
+use std::f64::consts::TAU;
+
+/// Mains frequencies (Hz) and the harmonics that are looked for.
+const MAINS: [f64; 2] = [50.0, 60.0];
+const HARMONICS: usize = 6;
+/// χ² per run that a tone must explain in a channel.
+const CLAIM: f64 = 40.0;
+/// Share of a tone that the lines of the motion may take before it cannot be told from them.
+const LEAST_OWN: f64 = 0.02;
+/// Largest ratio between the upper and the lower quartile of a hum's amplitude over the runs: it does not follow the level.
+const STEADY: f64 = 2.0;
+/// Tones that are taken out.
+const MOST: usize = 4;
+
+/// A run with its lines taken out.
+struct Bare<'a> {
+    run: &'a RunSamples<'a>,
+    projector: Projector,
+    /// What the lines leave, `[sensor]`.
+    residual: Vec<Vec<f64>>,
+    /// Variance of it, `[sensor]`.
+    variance: Vec<f64>,
+}
+
+/// A tone in one channel over the runs.
+struct Tone {
+    frequency: f64,
+    sensor: usize,
+    /// χ² that it explains.
+    gain: f64,
+    /// Cosine and sine amplitude in each run.
+    amplitude: Vec<[f64; 2]>,
+}
+
+/// Finds hum and takes it out.
+pub(super) fn find(
+    runs: &[RunSamples<'_>],
+    noise: Option<&[f64]>,
+    channels: &mut Channels,
+) -> Vec<ChannelFault> {
+    let mut faults: Vec<ChannelFault> = Vec::new();
+    for _ in 0..MOST {
+        let Some(bare) = bare(runs, noise, channels) else { break };
+        let mut best: Option<Tone> = None;
+        for multiple in 1..=HARMONICS {
+            for frequency in MAINS.map(|f| f * multiple as f64) {
+                for tone in tones(&bare, frequency) {
+                    if best.as_ref().is_none_or(|b| tone.gain > b.gain) {
+                        best = Some(tone);
+                    }
+                }
+            }
+        }
+        let Some(tone) = best.filter(|t| t.gain > CLAIM * runs.len() as f64 && steady(&t.amplitude)) else {
+            break;
+        };
+        take_out(runs, &tone, channels);
+        let size = |a: &[f64; 2]| a[0].hypot(a[1]);
+        let amplitude = tone.amplitude.iter().map(size).sum::<f64>() / tone.amplitude.len() as f64;
+        let known = faults.iter_mut().find(|f| f.sensor == tone.sensor);
+        if let Some(fault) = known {
+            fault.evidence += tone.gain;
+            continue;
+        }
+        faults.push(ChannelFault {
+            id: "measurement.hum",
+            sensor: tone.sensor,
+            parameters: vec![
+                ("frequency".into(), "Hz".into(), tone.frequency, 0.0),
+                ("amplitude".into(), "m/s^2".into(), amplitude, amplitude * (2.0 / tone.gain).sqrt()),
+            ],
+            evidence: tone.gain,
+        });
+    }
+    faults
+}
+
+fn bare<'a>(runs: &'a [RunSamples<'a>], noise: Option<&[f64]>, channels: &Channels) -> Option<Vec<Bare<'a>>> {
+    let mut out = Vec::with_capacity(runs.len());
+    for (run, signals) in runs.iter().zip(&channels.signal) {
+        let samples = run.force.len();
+        let lines = |base: f64, order: usize| Lines {
+            base,
+            order,
+            samples,
+            sampling_rate: run.sampling_rate,
+            drift: 0,
+        };
+        let base = refine(lines(TAU * run.excitation_frequency, 3), &[run.force]).ok()?.base;
+        let highest = (0.8 * std::f64::consts::PI * run.sampling_rate / base) as usize;
+        let projector = Projector::new(lines(base, highest.min(80).min(samples / 4).max(1))).ok()?;
+        let residual: Vec<Vec<f64>> = signals
+            .iter()
+            .map(|x| projector.project(x).map(|p| p.residual))
+            .collect::<Result<_, _>>()
+            .ok()?;
+        let variance = residual
+            .iter()
+            .enumerate()
+            .map(|(s, r)| {
+                noise.map_or_else(|| r.iter().map(|v| v * v).sum::<f64>() / r.len() as f64, |n| n[s] * n[s])
+            })
+            .collect();
+        out.push(Bare { run, projector, residual, variance });
+    }
+    Some(out)
+}
+
+/// The tone of a frequency in every channel, beside the lines of the motion.
+fn tones(bare: &[Bare<'_>], frequency: f64) -> Vec<Tone> {
+    let sensors = bare.first().map_or(0, |b| b.residual.len());
+    let mut out: Vec<Tone> =
+        (0..sensors).map(|sensor| Tone { frequency, sensor, gain: 0.0, amplitude: Vec::new() }).collect();
+    for one in bare {
+        if frequency > 0.45 * one.run.sampling_rate {
+            return Vec::new();
+        }
+        let angle = |k: usize| TAU * frequency * k as f64 / one.run.sampling_rate;
+        let count = one.run.force.len();
+        let waves = [
+            (0..count).map(|k| angle(k).cos()).collect::<Vec<f64>>(),
+            (0..count).map(|k| angle(k).sin()).collect(),
+        ];
+        let own: Vec<Vec<f64>> =
+            waves.iter().filter_map(|w| one.projector.project(w).ok().map(|p| p.residual)).collect();
+        let [cosine, sine] = own.as_slice() else { return Vec::new() };
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        let (cc, ss, cs) = (dot(cosine, cosine), dot(sine, sine), dot(cosine, sine));
+        let determinant = cc * ss - cs * cs;
+        let whole = 0.5 * count as f64;
+        let separable = cc.min(ss) > LEAST_OWN * whole && determinant > (LEAST_OWN * whole).powi(2);
+        for tone in &mut out {
+            let left = &one.residual[tone.sensor];
+            let (c, s) = (dot(cosine, left), dot(sine, left));
+            let solution = [(c * ss - s * cs) / determinant, (s * cc - c * cs) / determinant];
+            if separable {
+                tone.gain += (solution[0] * c + solution[1] * s) / one.variance[tone.sensor];
+                tone.amplitude.push(solution);
+            } else {
+                tone.amplitude.push([0.0; 2]);
+            }
+        }
+    }
+    out
+}
+
+/// Whether an amplitude is the same in the runs, as nothing is that the excitation moves.
+fn steady(amplitude: &[[f64; 2]]) -> bool {
+    let mut sizes: Vec<f64> = amplitude.iter().map(|a| a[0].hypot(a[1])).filter(|a| *a > 0.0).collect();
+    sizes.sort_by(f64::total_cmp);
+    let n = sizes.len();
+    n > 0 && sizes[(3 * n / 4).min(n - 1)] < STEADY * sizes[n / 4]
+}
+
+fn take_out(runs: &[RunSamples<'_>], tone: &Tone, channels: &mut Channels) {
+    for ((run, amplitude), signals) in runs.iter().zip(&tone.amplitude).zip(&mut channels.signal) {
+        for (k, value) in signals[tone.sensor].iter_mut().enumerate() {
+            let angle = TAU * tone.frequency * k as f64 / run.sampling_rate;
+            *value -= amplitude[0] * angle.cos() + amplitude[1] * angle.sin();
+        }
+    }
+}
