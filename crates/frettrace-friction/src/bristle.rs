@@ -23,6 +23,7 @@
 //! `Power` of order two. Reversals are split at the root of the Hermite velocity. Large `σ0 |Δu| / μ` is stable and
 //! tends to `z = μ(v)/σ0`.
 
+use crate::decay::decays;
 use crate::lift::{lift, positive_part, sign};
 use crate::{FrictionLaw, Scalar, Step, Stroke};
 
@@ -162,6 +163,27 @@ impl<T: Scalar> Bristle<T> {
         after * (self.sigma0.recip() * stroke.direction)
     }
 
+    /// A step without reversal in plain numbers: its four exponentials of the velocity are taken side by side.
+    #[inline(always)]
+    fn plain_step(&self, [z]: [T; 1], stroke: &Stroke<T>, step: &Step<T>) -> ([T; 1], T) {
+        let velocity = step.velocity[1];
+        let [slowness, fade] = [self.v_s.re().recip(), self.v_d.re().recip()];
+        let power = |v: T| stribeck_power(v.re().abs() * slowness, self.delta.re());
+        let fading = velocity.re() * fade;
+        let [v0, v1, v2] = stroke.velocity;
+        let [d0, d1, d2, left] = decays([power(v0), power(v1), power(v2), fading * fading]);
+        let excess = self.mu_s.re() - self.mu_k.re();
+        let mu = [d0, d1, d2].map(|decay| T::from(self.mu_k.re() + excess * decay));
+        let z = self.advance(z, stroke, mu);
+        let damping = if self.sigma1.re() == 0.0 {
+            T::from(0.0)
+        } else {
+            self.rate(z, velocity, mu[2]) * (self.sigma1.re() * left)
+        };
+        let force = positive_part(step.normal[1]) * (self.sigma0 * z + damping) + self.sigma2 * velocity;
+        ([z], force)
+    }
+
     /// The rate ż (m/s) of the deflection.
     #[inline(always)]
     pub fn rate(&self, z: T, velocity: T, mu: T) -> T {
@@ -202,6 +224,12 @@ impl<T: Scalar> FrictionLaw<T> for Bristle<T> {
 
     #[inline]
     fn step(&self, state: [T; 1], step: &Step<T>) -> ([T; 1], T) {
+        if T::NDERIV == 0
+            && self.steady == Steady::Stribeck
+            && let (stroke, None) = step.strokes()
+        {
+            return self.plain_step(state, &stroke, step);
+        }
         let velocity = step.velocity[1];
         let last = self.steady(velocity);
         let mu = |instant: Instant<T>| {
@@ -232,13 +260,7 @@ pub fn stribeck<T: Scalar>(velocity: T, parameters: [T; 4]) -> T {
     if ratio == 0.0 {
         return mu_s;
     }
-    let power = if delta.re() == 2.0 {
-        ratio * ratio
-    } else if delta.re() == 1.0 {
-        ratio
-    } else {
-        ratio.powf(delta.re())
-    };
+    let power = stribeck_power(ratio, delta.re());
     let decay = (-power).exp();
     let value = mu_k.re() + excess * decay;
     if T::NDERIV == 0 {
@@ -253,4 +275,16 @@ pub fn stribeck<T: Scalar>(velocity: T, parameters: [T; 4]) -> T {
         -slope * ratio.ln(),
     ];
     lift(value, partials, [velocity, mu_s, mu_k, v_s, delta])
+}
+
+/// `(|v|/v_s)^δ`.
+#[inline(always)]
+fn stribeck_power(ratio: f64, delta: f64) -> f64 {
+    if delta == 2.0 {
+        ratio * ratio
+    } else if delta == 1.0 {
+        ratio
+    } else {
+        ratio.powf(delta)
+    }
 }

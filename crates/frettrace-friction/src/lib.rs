@@ -9,6 +9,7 @@ mod catalogue;
 mod claims;
 #[cfg(test)]
 mod conformance;
+mod decay;
 pub mod effects;
 mod error;
 pub mod film;

@@ -75,13 +75,13 @@ impl<T: Scalar> Friction<T> {
         let memory = Memory::new(whole);
         let weights = memory.weights(kappa);
         let sum = |w: [f64; 3]| w[0] * mu[0] + w[1] * mu[1] + w[2] * mu[2];
-        let decay = 1.0 - memory.moments[0];
-        let value = loading.re() * decay + sum(weights);
+        let kept = 1.0 - memory.moments[0];
+        let value = loading.re() * kept + sum(weights);
         if T::NDERIV == 0 {
             return T::from(value);
         }
         let by_kappa = if kappa == middle { sum(memory.weights_by_kappa(kappa)) / whole } else { 0.0 };
-        let by_whole = sum(memory.slope().weights(kappa)) - loading.re() * decay - middle * by_kappa;
+        let by_whole = sum(memory.slope().weights(kappa)) - loading.re() * kept - middle * by_kappa;
         let by_f = [
             by_whole * (1.0 / 6.0) + by_kappa * (5.0 / 24.0),
             by_whole * (4.0 / 6.0) + by_kappa * (8.0 / 24.0),
@@ -91,7 +91,7 @@ impl<T: Scalar> Friction<T> {
         let by_mu = [0, 1, 2].map(|j| weights[j] - by_pace[j] * f[j]);
         let [[p0, p1, p2], [m0, m1, m2]] = [by_pace, by_mu];
         let [[f0, f1, f2], [n0, n1, n2]] = [self.pace, self.mu];
-        lift(value, [decay, p0, p1, p2, m0, m1, m2], [loading, f0, f1, f2, n0, n1, n2])
+        lift(value, [kept, p0, p1, p2, m0, m1, m2], [loading, f0, f1, f2, n0, n1, n2])
     }
 
     /// `dr/dX = sgn(1 − r)|1 − r|^i` in closed form; a changing μ is followed to second order.
@@ -302,7 +302,8 @@ impl Memory {
     fn new(length: f64) -> Self {
         let x = length;
         if x > 0.2 {
-            let zeroth = -(-x).exp_m1();
+            // Not small: the difference from 1 loses nothing that matters.
+            let zeroth = 1.0 - (-x).exp();
             let first = 1.0 - zeroth / x;
             return Self { length, moments: [zeroth, first, 1.0 - 2.0 * first / x] };
         }

@@ -98,27 +98,91 @@ impl<T: Scalar> Gms<T> {
         [k1, k2, k3, k4, w1, w2, w3, w4, attraction, sigma2, mu_s, mu_k, v_s, delta]
     }
 
-    /// One element along one stroke. `level` is α μ at the stroke's end; in slip the element relaxes to it over
-    /// `μ/(α C)` of its own level, entering slip it stands at it.
-    fn element(&self, index: usize, state: [T; 2], stroke: &Stroke<T>) -> [T; 2] {
+    /// One element along one stroke. It sticks until its force meets the level α μ(v), at a moment found on the stroke's
+    /// velocity parabola; from there it relaxes to the level over `μ/(α C)` of its own level.
+    fn element(&self, index: usize, [force, slipping]: [T; 2], stroke: &Stroke<T>) -> [T; 2] {
         let total = self.weight.iter().fold(T::from(0.0), |sum, weight| sum + *weight);
-        let share = self.weight[index] / total;
-        let coefficient = |v| stribeck(v, [self.mu_s, self.mu_k, self.v_s, self.delta]);
-        let (mu, sense) = (coefficient(stroke.velocity[2]), stroke.direction);
-        let (level, [force, slipping]) = (share * mu * sense, state);
-        if slipping.re() != sense {
-            let elastic = force + self.stiffness[index] * stroke.travel;
-            let breaks = elastic.re() * sense >= level.re() * sense;
-            return if breaks { [level, T::from(sense)] } else { [elastic, T::from(0.0)] };
+        let share = self.weight[index] / total * stroke.direction;
+        let level = |velocity: T| share * self.coefficient(velocity);
+        let sense = T::from(stroke.direction);
+        if slipping.re() == stroke.direction {
+            return [self.relax(force, [level(stroke.velocity[0]), T::from(1.0)], share, stroke), sense];
         }
-        let start = share * coefficient(stroke.velocity[0]) * sense;
-        let mean = (mu + coefficient(stroke.velocity[0])) * 0.5;
-        let length = self.attraction * stroke.duration / mean;
+        let path = Path::new(stroke);
+        let elastic = |moment: T| force + self.stiffness[index] * path.travel(moment);
+        let excess = |moment: T| (elastic(moment) - level(path.velocity(moment))) * stroke.direction;
+        if excess(T::from(1.0)).re() < 0.0 {
+            return [force + self.stiffness[index] * stroke.travel, T::from(0.0)];
+        }
+        let broken = breaking_moment(&excess);
+        let start = level(path.velocity(broken));
+        [self.relax(start, [start, -broken + 1.0], share, stroke), sense]
+    }
+
+    #[inline(always)]
+    fn coefficient(&self, velocity: T) -> T {
+        stribeck(velocity, [self.mu_s, self.mu_k, self.v_s, self.delta])
+    }
+
+    /// The force after slipping over the last `rest` of a stroke, on a level that moves evenly from `start`.
+    fn relax(&self, force: T, [start, rest]: [T; 2], share: T, stroke: &Stroke<T>) -> T {
+        let level = share * self.coefficient(stroke.velocity[2]);
+        let mean = (level + start) / share * 0.5;
+        let length = self.attraction * stroke.duration * rest / mean;
         let decay = (-length).exp();
         let slope = if length.re() == 0.0 { T::from(1.0) } else { -(-length).exp_m1() / length };
-        [level + (force - start) * decay - (level - start) * slope, slipping]
+        level + (force - start) * decay - (level - start) * slope
     }
 }
+
+/// Velocity and travel within a stroke, on the parabola through its three velocities.
+struct Path<T> {
+    start: T,
+    lean: T,
+    bend: T,
+    duration: T,
+}
+
+impl<T: Scalar> Path<T> {
+    fn new(stroke: &Stroke<T>) -> Self {
+        let [v0, v1, v2] = stroke.velocity;
+        let (lean, bend) = (v1 * 4.0 - v0 * 3.0 - v2, (v0 + v2 - v1 * 2.0) * 2.0);
+        Self { start: v0, lean, bend, duration: stroke.duration }
+    }
+
+    fn velocity(&self, moment: T) -> T {
+        self.start + moment * (self.lean + moment * self.bend)
+    }
+
+    fn travel(&self, moment: T) -> T {
+        self.duration * moment * (self.start + moment * (self.lean * 0.5 + moment * self.bend * (1.0 / 3.0)))
+    }
+}
+
+/// Halvings of a stroke in search of the moment of breaking: to rounding.
+const HALVINGS: usize = 50;
+
+/// The moment at which `excess` turns positive, 0 if it is so from the start; its derivatives by one Newton step.
+fn breaking_moment<T: Scalar>(excess: &impl Fn(T) -> T) -> T {
+    if excess(T::from(0.0)).re() >= 0.0 {
+        return T::from(0.0);
+    }
+    let (mut before, mut after) = (0.0, 1.0);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (before + after);
+        if excess(T::from(middle)).re() < 0.0 { before = middle } else { after = middle }
+    }
+    let residual = excess(T::from(after));
+    if T::NDERIV == 0 {
+        return T::from(after);
+    }
+    let (below, above) = ((after - DIFFERENCE).max(0.0), (after + DIFFERENCE).min(1.0));
+    let slope = (excess(T::from(above)).re() - excess(T::from(below)).re()) / (above - below);
+    -(residual - residual.re()) / slope + after
+}
+
+/// Step of the difference that gives the slope at the moment of breaking: the cube root of rounding.
+const DIFFERENCE: f64 = 6e-6;
 
 impl<T: Scalar> FrictionLaw<T> for Gms<T> {
     type State = [T; 2 * ELEMENTS];
