@@ -19,8 +19,8 @@ const LENGTH: f64 = 0.5;
 const ARM: f64 = 0.0037;
 const SUPPORT: f64 = 5e6;
 const SAMPLES: usize = 512;
-/// Slip of about twice the elastic deflection: part of the cycle is presliding.
-const FORCE: f64 = 1.1;
+/// Steps a sample.
+const REFINEMENT: usize = 4;
 const OMEGA: f64 = TAU * 109.0;
 
 /// Exciter, slip, end, sensor.
@@ -45,7 +45,7 @@ fn structure(elements: usize) -> Structure {
 }
 
 /// Contact and sensor displacement over the settled period.
-fn respond<L: FrictionLaw<f64>>(law: L, elements: usize, refinement: usize) -> Vec<(Moment, f64)> {
+fn respond<L: FrictionLaw<f64>>(law: L, elements: usize, amplitude: f64) -> Vec<(Moment, f64)> {
     let normal = Normal { port: Some(2), stiffness: SUPPORT, ..Normal::constant(70.0) };
     let assembly = Assembly {
         structure: structure(elements),
@@ -53,18 +53,18 @@ fn respond<L: FrictionLaw<f64>>(law: L, elements: usize, refinement: usize) -> V
         friction: Some(FrictionContact { law, slip_port: 1, normal }),
         loads: Vec::new(),
     };
-    let steps = SAMPLES * refinement;
+    let steps = SAMPLES * REFINEMENT;
     let options =
         SettleOptions { steps_per_period: steps, tolerance: 1e-7, ..SettleOptions::new(TAU / OMEGA) };
     let mut march = March::new(&assembly, 1.0);
-    let force = |time: f64| FORCE * (OMEGA * time).cos();
+    let force = |time: f64| amplitude * (OMEGA * time).cos();
     let settled = settle(&mut march, &options, |time, loads| loads[0] = force(time));
     assert!(matches!(settled, Settling::Periodic { multiple: 1, .. }), "{settled:?}");
     let dt = options.period / steps as f64;
     let mut record = Vec::new();
     for step in 1..=steps {
         march.step(&[force(march.time() + dt)]);
-        if step % refinement == 0 {
+        if step % REFINEMENT == 0 {
             record.push((march.moment(), march.displacement(3)));
         }
     }
@@ -100,8 +100,8 @@ fn static_fit(record: &[(Moment, f64)], v_s: f64) -> ([f64; 2], f64) {
     (x, record.iter().map(|(m, _)| rest(m)).sum())
 }
 
-#[test]
-fn static_friction_gets_the_force_right_and_the_beam_wrong() {
+/// Errors of the beam (Coulomb, Stribeck, Dahl, hybrid) and sizes of their friction force at an amplitude of the force (N).
+fn predicted(force: f64) -> [[f64; 4]; 2] {
     let lugre = Lugre {
         sigma0: 5e5,
         sigma1: 0.0,
@@ -113,7 +113,7 @@ fn static_friction_gets_the_force_right_and_the_beam_wrong() {
         delta: 2.0,
     };
     let hybrid = Hybrid { lugre, breakaway: 0.3 };
-    let truth = respond(hybrid, 60, 8);
+    let truth = respond(hybrid, 60, force);
     let products = |(m, _): &(Moment, f64)| m.velocity.signum() * m.friction / m.normal;
     let mu_k = truth.iter().map(products).sum::<f64>() / truth.len() as f64;
     let widths = (0..24).map(|k| 1e-5 * 1.4_f64.powi(k));
@@ -124,22 +124,33 @@ fn static_friction_gets_the_force_right_and_the_beam_wrong() {
         })
         .min_by(|a, b| a.2.total_cmp(&b.2))
         .unwrap();
-    let stribeck = Stribeck { mu_s: level + rise, mu_k: level, v_s, delta: 1.0, sigma2: 0.0 };
+    let mu_s = (level + rise).max(1e-3);
+    let stribeck = Stribeck { mu_s, mu_k: level, v_s, delta: 1.0, sigma2: 0.0 };
     let found = [
-        respond(Coulomb { mu_k }, 24, 4),
-        respond(stribeck, 24, 4),
-        respond(Dahl { sigma0: 5e5, mu_k: 0.25, exponent: 1.0 }, 24, 4),
-        respond(hybrid, 24, 4),
+        respond(Coulomb { mu_k }, 24, force),
+        respond(stribeck, 24, force),
+        respond(Dahl { sigma0: 5e5, mu_k: 0.25, exponent: 1.0 }, 24, force),
+        respond(hybrid, 24, force),
     ];
     let beam = found.each_ref().map(|record| error(record, &truth, |(_, w)| *w));
     let size = found.each_ref().map(|record| root_mean_square(record) / root_mean_square(&truth));
-    // The right order of the friction force, whatever the law.
-    assert!(size.iter().all(|s| (0.5..2.0).contains(s)), "{size:?}");
-    let [coulomb, stribeck, dahl, hybrid] = beam;
-    // Found: 25 % and 28 % for the static laws, 2.6 % for Dahl. The best static fit over velocity (friction that rises with
-    // speed, since a presliding contact gives way first) is no nearer to the beam than Coulomb is.
-    assert!(coulomb > 0.1 && stribeck > 0.1, "{beam:?}");
-    assert!(dahl < 0.2 * coulomb.min(stribeck), "{beam:?}");
-    // Two meshes and two steps: frequencies differ by (β/24)⁴/1440-like 1e-5, amplified by 1/(2ζ).
-    assert!(hybrid < 1e-3, "{beam:?}");
+    [beam, size]
+}
+
+/// Slips of 7 and of 48 elastic deflections. Found: Coulomb 25 % and 2.6 %, Stribeck 28 % and 2.1 %, Dahl 3 % and less.
+/// Fitted to force over velocity, Stribeck's curve rises, since a presliding contact gives way first; it is nearer to the beam than
+/// Coulomb's, as the study found, only where sliding prevails: where presliding matters no function of the velocity helps.
+#[test]
+fn static_friction_gets_the_force_right_and_the_beam_wrong() {
+    for (force, sliding) in [(1.1, false), (8.0, true)] {
+        let [beam, size] = predicted(force);
+        // The right order of the friction force, whatever the law.
+        assert!(size.iter().all(|s| (0.5..2.0).contains(s)), "{size:?}");
+        let [coulomb, stribeck, dahl, hybrid] = beam;
+        assert_eq!(stribeck < coulomb, sliding, "{beam:?}");
+        assert!(coulomb.min(stribeck) > if sliding { 0.01 } else { 0.1 }, "{beam:?}");
+        assert!(dahl < 0.5 * coulomb.min(stribeck), "{beam:?}");
+        // Two meshes and two steps: frequencies differ by (β/24)⁴/1440-like 1e-5, amplified by 1/(2ζ).
+        assert!(hybrid < 1e-3, "{beam:?}");
+    }
 }

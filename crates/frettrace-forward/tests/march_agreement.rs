@@ -6,14 +6,17 @@
 #[allow(dead_code)]
 mod problems;
 
+use frettrace_beam::{Boundary, Dof, ModalModel, ModalOptions, UniformBeam};
 use frettrace_forward::hb::{
-    Accuracy, AdaptiveSolver, Contact, Element, Family, Friction, Network, Normal, Problem, Settings, Status,
+    Accuracy, AdaptiveSolver, Contact, Element, Family, Friction, Load, Network, Normal, Problem, Reading,
+    Settings, Status,
 };
 use frettrace_forward::march::{
-    Assembly, Characteristic, FrictionContact, LocalLoad, March, Normal as MarchNormal, SettleOptions,
+    Assembly, Characteristic, FrictionContact, LocalLoad, March, Normal as MarchNormal, Port, SettleOptions,
     Settling, Structure, settle,
 };
-use frettrace_friction::{FrictionLaw, Scalar, laws::Jenkins};
+use frettrace_friction::laws::{Dahl, Jenkins};
+use frettrace_friction::{Bristle, FrictionLaw, Scalar};
 use problems::rms;
 
 /// The Jenkins element of the catalogue, its reversals found between samples.
@@ -105,6 +108,72 @@ fn jenkins_beams() {
             };
             agree(name, found, marched(&assembly, &[(0.0, force)], omega, 1));
         }
+    }
+}
+
+/// P1, whose friction has no memory: tanh of the velocity.
+#[test]
+fn smooth_coulomb_beam() {
+    let peer = problems::p1();
+    let friction = Characteristic::SmoothCoulomb { level: 1.5, velocity: 6e-7 };
+    for omega in [195.0, 230.0] {
+        let found = balance(&peer.network, peer.contact(), omega, 1);
+        let assembly: Assembly<Jenkins<f64>> = Assembly {
+            structure: peer.network.structure.clone(),
+            inputs: vec![1],
+            friction: None,
+            loads: vec![LocalLoad { port: 0, characteristic: friction }],
+        };
+        agree("P1", found, marched(&assembly, &[(0.0, 0.2)], omega, 1));
+    }
+}
+
+struct Bristles(Dahl<f64>);
+
+impl Family for Bristles {
+    type Law<T: Scalar> = Friction<Bristle<T>>;
+
+    fn parameters(&self) -> &[f64] {
+        &[]
+    }
+
+    fn law<T: Scalar>(&self, _: &[T]) -> Self::Law<T> {
+        let Dahl { sigma0, mu_k, exponent } = self.0;
+        Friction(Dahl { sigma0: sigma0.into(), mu_k: mu_k.into(), exponent: exponent.into() }.bristle())
+    }
+}
+
+/// A beam on its friction support as laboratories build it: residual flexibility, a normal force that varies with the motion,
+/// Dahl's law; mostly presliding (0.6 N) and mostly sliding (6 N).
+#[test]
+fn beam_on_its_friction_support() {
+    let (length, spring, preload) = (0.52, 4e6, 65.0);
+    let beam = UniformBeam::rectangular(length, [0.03, 0.007], 2.05e11, 7840.0);
+    let options = ModalOptions { modes: 30, damping_ratio: vec![0.005], ..ModalOptions::default() };
+    let model = ModalModel::new(&beam, &Boundary::spring(spring), &options).unwrap();
+    let displacement = |x| Port { dof: Dof::displacement(x), factor: 1.0 };
+    let slip = Port { dof: Dof::rotation(length), factor: 0.0035 };
+    let ports = [displacement(0.212), slip, displacement(length), displacement(0.337)];
+    let structure = Structure::from_beam(&model, &ports).unwrap();
+    let law = Dahl { sigma0: 4.2e5, mu_k: 0.24, exponent: 1.0 };
+    let channels =
+        vec![Reading::motion(1), Reading { port: 2, scale: -spring, offset: preload }, Reading::motion(3)];
+    let element = Bristles(law);
+    let contact =
+        Contact { slip: 0, normal: Normal::Channel(1), force: 0, normal_force: None, element: &element };
+    for force in [0.6, 6.0] {
+        let omega = std::f64::consts::TAU * 93.7;
+        let mut network = Network::new(structure.clone(), channels.clone(), vec![1]);
+        network.loads.push(Load { port: 0, harmonic: 1, amplitude: force.into() });
+        let found = balance(&network, contact, omega, 2);
+        let normal = MarchNormal { port: Some(2), stiffness: spring, ..MarchNormal::constant(preload) };
+        let assembly = Assembly {
+            structure: structure.clone(),
+            inputs: vec![0],
+            friction: Some(FrictionContact { law, slip_port: 1, normal }),
+            loads: Vec::new(),
+        };
+        agree("beam", found, marched(&assembly, &[(0.0, force)], omega, 3));
     }
 }
 

@@ -12,6 +12,8 @@ use num_complex::Complex64;
 const DIFFERENCE: f64 = 1e-8;
 /// Contraction up to which the factorised Jacobian is kept, from point to point as well; Broyden's updates help it.
 const KEEP: f64 = 0.5;
+/// The same for Jacobians from fewer samples: they cost less than a balance more.
+const KEEP_CHEAP: f64 = 0.2;
 /// Contraction from which the size of the next correction is foretold.
 const SURE: f64 = 0.2;
 /// Corrections before a step counts as lost.
@@ -49,6 +51,8 @@ pub(super) struct Corrector {
     fresh: bool,
     packed: Vec<f64>,
     answer: Vec<Complex64>,
+    /// What the contacts answer with in the system the Jacobian is taken from.
+    base: Vec<Complex64>,
     shifted: Vec<Complex64>,
     /// Corrections since the Jacobian or the point was new, with their squares.
     history: Vec<(Vec<f64>, f64)>,
@@ -65,6 +69,8 @@ impl Corrector {
         state: &mut State,
     ) -> Result<bool, ForwardError> {
         let mut last = f64::INFINITY;
+        let cheap = solver.coarse.is_some();
+        self.fresh &= !cheap;
         self.history.clear();
         let size = state.forces.len();
         self.answer.resize(size, Complex64::ZERO);
@@ -87,7 +93,7 @@ impl Corrector {
                 self.fresh = false;
                 return Ok(false);
             }
-            self.fresh = change <= KEEP * last;
+            self.fresh = change <= if cheap { KEEP_CHEAP } else { KEEP } * last;
             last = change;
         }
         self.fresh = false;
@@ -109,30 +115,37 @@ impl Corrector {
     ) -> Result<(), ForwardError> {
         let problem = Problem { lines, contacts };
         let extra = state.unknowns.len();
-        solver.system.linearise(&problem);
-        solver.system.assemble(&problem, extra);
+        let cheap = solver.coarse.is_some();
+        let system = solver.slopes();
+        self.base.clone_from(&self.answer);
+        if cheap {
+            system.evaluate(&problem, &state.forces, &mut self.base);
+            self.effort.evaluations += 1;
+        }
+        system.linearise(&problem);
+        system.assemble(&problem, extra);
         self.effort.linearisations += 1;
-        let size = solver.system.dense.size();
+        let size = system.dense.size();
         let inner = size - extra;
         let (mut row, mut here, mut there) = (vec![0.0; inner], vec![0.0; extra], vec![0.0; extra]);
         conditions.values(lines, &state.forces, &state.unknowns, &mut here);
         for e in 0..extra {
             conditions.gradient(lines, e, &mut row);
-            (0..inner).for_each(|j| solver.system.dense.matrix[j * size + inner + e] = row[j]);
+            (0..inner).for_each(|j| system.dense.matrix[j * size + inner + e] = row[j]);
             let mut unknowns = state.unknowns.clone();
             let step = conditions.scales()[e] * DIFFERENCE;
             unknowns[e] += step;
             let moved = conditions.lines(&unknowns)?;
             let problem = Problem { lines: &moved, contacts };
-            solver.system.evaluate(&problem, &state.forces, &mut self.shifted);
+            system.evaluate(&problem, &state.forces, &mut self.shifted);
             self.effort.evaluations += 1;
             conditions.values(&moved, &state.forces, &unknowns, &mut there);
-            let slope: Vec<_> = self.answer.iter().zip(&self.shifted).map(|(a, s)| (a - s) / step).collect();
-            let column = &mut solver.system.dense.matrix[(inner + e) * size..(inner + e + 1) * size];
-            pack(&slope, solver.system.order, &mut column[..inner]);
+            let slope: Vec<_> = self.base.iter().zip(&self.shifted).map(|(a, s)| (a - s) / step).collect();
+            let column = &mut system.dense.matrix[(inner + e) * size..(inner + e + 1) * size];
+            pack(&slope, system.order, &mut column[..inner]);
             (0..extra).for_each(|i| column[inner + i] = (there[i] - here[i]) / step);
         }
-        solver.system.dense.factorise();
+        system.dense.factorise();
         self.history.clear();
         self.fresh = true;
         Ok(())
@@ -147,7 +160,7 @@ impl Corrector {
         lines: &Lines,
     ) -> f64 {
         let extra = state.unknowns.len();
-        self.packed.resize(solver.system.dense.size(), 0.0);
+        self.packed.resize(solver.slopes().dense.size(), 0.0);
         let inner = self.packed.len() - extra;
         for ((s, a), f) in self.shifted.iter_mut().zip(&self.answer).zip(&state.forces) {
             *s = a - f;
@@ -155,7 +168,7 @@ impl Corrector {
         pack(&self.shifted, solver.system.order, &mut self.packed[..inner]);
         conditions.values(lines, &state.forces, &state.unknowns, &mut self.packed[inner..]);
         self.packed[inner..].iter_mut().for_each(|value| *value = -*value);
-        solver.system.dense.solve(&mut self.packed);
+        solver.slopes().dense.solve(&mut self.packed);
         let size: f64 = self.answer.iter().map(Complex64::norm_sqr).sum();
         let scale = size.sqrt().max(f64::MIN_POSITIVE);
         self.packed[..inner].iter_mut().for_each(|x| *x /= scale);

@@ -78,7 +78,7 @@ pub(super) struct Chain<'a> {
 }
 
 impl Chain<'_> {
-    /// Answers `ψ_k` of every force to the gains: `columns[(o·LANES + lane)·N + k]`.
+    /// Answers `ψ_k` of the forces that `columns[(o·LANES + lane)·N + k]` has room for, to the gains.
     pub fn columns(&self, gains: &Gains, columns: &mut [Complex64]) {
         match (self.shape[0], self.shape[1]) {
             (0, 1) => self.sweep::<0, 1>(gains, columns),
@@ -137,9 +137,9 @@ impl Chain<'_> {
             }
             if WRITE {
                 let at = if k + 1 == samples { 0 } else { k + 1 };
-                for (o, row) in block.chunks_exact(width).skip(M).enumerate() {
+                let outputs = block.chunks_exact(width).skip(M);
+                for (row, out) in outputs.zip(columns.chunks_exact_mut(LANES * samples)) {
                     let value = row_answer(row, state, gains);
-                    let out = &mut columns[o * LANES * samples..(o + 1) * LANES * samples];
                     for lane in 0..LANES {
                         out[lane * samples + at] = value.get(lane);
                     }

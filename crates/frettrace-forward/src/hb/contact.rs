@@ -15,6 +15,9 @@ pub trait ContactLaw<T: Scalar>: Copy {
     /// Forces given: 1 (tangential) or 2 (tangential, normal).
     const FORCES: usize;
 
+    /// Whether the slip velocity matters.
+    const VELOCITY: bool = true;
+
     /// The state of an unloaded contact.
     fn rest(&self) -> Self::State;
 

@@ -66,6 +66,10 @@ pub trait Element: Sync {
     fn states(&self) -> usize;
     /// Number of forces `O`.
     fn forces(&self) -> usize;
+    /// Whether the slip velocity matters; without, it is left as it was.
+    fn takes_velocity(&self) -> bool {
+        true
+    }
     /// Number of free parameters `P`.
     fn parameters(&self) -> usize;
     /// The state after loading from rest to sample 0.
@@ -90,6 +94,10 @@ impl<F: Family> Element for F {
 
     fn forces(&self) -> usize {
         <Law<F, f64> as ContactLaw<f64>>::FORCES.clamp(1, 2)
+    }
+
+    fn takes_velocity(&self) -> bool {
+        <Law<F, f64> as ContactLaw<f64>>::VELOCITY
     }
 
     fn parameters(&self) -> usize {

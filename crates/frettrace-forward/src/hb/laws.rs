@@ -37,6 +37,7 @@ impl<T: Scalar> ContactLaw<T> for ElasticContact {
     type State = [T; 1];
 
     const FORCES: usize = 2;
+    const VELOCITY: bool = false;
 
     fn rest(&self) -> [T; 1] {
         [T::zero()]

@@ -29,6 +29,7 @@ mod system;
 mod tangent;
 #[cfg(test)]
 mod tests;
+mod wedge;
 
 pub use adaptive::{Accuracy, Adapted, AdaptiveSolver};
 pub use contact::{Contact, ContactLaw, Family, Friction, Normal, STATE_LIMIT};
@@ -46,3 +47,4 @@ pub use response::{
 pub use solver::{Settings, Solution, Solver};
 pub use system::Problem;
 pub use tangent::Tangents;
+pub use wedge::{Interface, OpposedLoop, WedgeDamper};

@@ -11,6 +11,11 @@ const ROUNDING: f64 = 1e-12;
 /// A correction below which rounding, not a bad start, keeps Newton from its tolerance.
 const NEAR: f64 = 1e-6;
 
+/// A Jacobian from so many times fewer samples costs as much less and misses the kinks by as much more.
+const COARSER: usize = 4;
+/// Samples a line from which on that is done.
+const PLENTY: usize = 16;
+
 /// How a balance is solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -61,6 +66,8 @@ impl Solution {
 pub struct Solver {
     pub(super) settings: Settings,
     pub(super) system: System,
+    /// The same balance on fewer samples, for the Jacobians of curves, where that many are still plenty.
+    pub(super) coarse: Option<System>,
     vectors: Vectors,
 }
 
@@ -70,11 +77,19 @@ impl Solver {
     /// # Errors
     /// [`ForwardError::Grid`] unless `samples > 2·order`.
     pub fn new(settings: Settings) -> Result<Self, ForwardError> {
+        let few = settings.samples / COARSER;
+        let plenty = settings.samples.is_multiple_of(COARSER) && few >= PLENTY * (settings.order + 1);
         Ok(Self {
             system: System::new(settings.order, settings.samples)?,
+            coarse: if plenty { Some(System::new(settings.order, few)?) } else { None },
             settings,
             vectors: Vectors::default(),
         })
+    }
+
+    /// The system whose Jacobian is taken along curves.
+    pub(super) fn slopes(&mut self) -> &mut System {
+        self.coarse.as_mut().unwrap_or(&mut self.system)
     }
 
     /// The settings.

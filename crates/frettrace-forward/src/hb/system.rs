@@ -129,10 +129,12 @@ impl System {
         motion.dt = std::f64::consts::TAU / (lines.omega() * self.samples as f64);
         lines.respond(contact.slip, forces, &mut self.spectrum);
         self.grid.evaluate(&self.spectrum, &mut motion.slip, &mut self.scratch);
-        for (h, x) in self.spectrum.iter_mut().enumerate() {
-            *x *= Complex64::new(0.0, h as f64 * lines.omega());
+        if contact.element.takes_velocity() {
+            for (h, x) in self.spectrum.iter_mut().enumerate() {
+                *x *= Complex64::new(0.0, h as f64 * lines.omega());
+            }
+            self.grid.evaluate(&self.spectrum, &mut motion.velocity, &mut self.scratch);
         }
-        self.grid.evaluate(&self.spectrum, &mut motion.velocity, &mut self.scratch);
         match contact.normal {
             Normal::Constant(normal) => motion.normal.fill(normal),
             Normal::Channel(channel) => {
@@ -162,7 +164,9 @@ impl System {
         let mut columns = std::mem::take(&mut self.columns);
         for (contact, cell) in problem.contacts.iter().zip(&self.cells) {
             let chain = chain(contact, cell, self.samples);
-            columns.resize(chain.shape[1] * LANES * self.samples, Complex64::ZERO);
+            // A force that nothing takes up needs no columns.
+            let wanted = contact.outputs().into_iter().flatten().count();
+            columns.resize(wanted * LANES * self.samples, Complex64::ZERO);
             for force in 0..problem.lines.forces() {
                 for first in (0..=self.order).step_by(LANES) {
                     let span = Span { force, first, order: self.order, samples: self.samples };

@@ -4,6 +4,7 @@ mod curves;
 mod laws;
 mod oscillator;
 mod several;
+mod wedge;
 
 use super::*;
 use crate::ForwardError;

@@ -4,7 +4,8 @@
 //! Vibration Problems*, 2019). P2, P3: cantilevers with a Jenkins element. P4: two degrees of freedom under a normal and
 //! tangential contact. The CSV files beside this one hold what tmdsimpy (commit 17d5fc3) answers: `omega_rad_s` and the
 //! root mean square of the tip's displacement, at order 7 (P1: 128, P2 and P3: 1024 samples a period) and at order 8 with 128
-//! samples (P4); `march_*` is a time march. NLvib and pyHarm agree with it to 1e-10.
+//! samples (P4); `march_*` is a time march. NLvib and pyHarm agree with it to 1e-10. P3's
+//! trace has a second answer, the same code's Newton steps carried on at each frequency.
 
 use frettrace_beam::{Dof, FiniteElements, UniformBeam};
 use frettrace_forward::hb::{
