@@ -127,6 +127,7 @@ impl Case {
             contact_compliance: 0.0,
             base: None,
             base_line: 0,
+            base_motion: None,
             sensors: vec![SensorSetting::default(); self.rig.sensors.len()],
         }
     }

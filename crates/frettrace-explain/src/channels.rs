@@ -52,10 +52,15 @@ pub fn records(
     faults.extend(dropout::find(runs, &mut channels));
     let mut records = channels.records(runs, noise)?;
     if records.iter().any(|r| more_than_noise(r, noise)) {
+        let before = channels.signal.clone();
         let found = hum::find(runs, noise, &mut channels);
-        if !found.is_empty() {
+        let mended = channels.records(runs, noise)?;
+        // Without a hum that is one, every run is closer to its lines than with it.
+        if !found.is_empty() && quieter(&mended, &records) {
             faults.extend(found);
-            records = channels.records(runs, noise)?;
+            records = mended;
+        } else {
+            channels.signal = before;
         }
     }
     faults.extend(offsets(&mut records));
@@ -115,11 +120,18 @@ impl Channels {
     }
 }
 
-/// Whether a channel holds more beside the lines than noise, or the lines are those of a fraction of the excitation.
+/// Whether a channel holds more beside the lines than noise.
 fn more_than_noise(record: &RunRecord, noise: Option<&[f64]>) -> bool {
     let left = record.residual.iter().map(|r| mean_square(r.iter().copied()).sqrt());
     let loud = left.enumerate().any(|(s, left)| left > LOUD * noise.map_or(record.noise[s], |n| n[s]));
-    loud || !record.periodic || record.subharmonic > 1
+    loud || !record.periodic
+}
+
+/// Whether less lies beside the lines, and no run is lost.
+fn quieter(new: &[RunRecord], old: &[RunRecord]) -> bool {
+    let left = |all: &[RunRecord]| all.iter().flat_map(|r| &r.beside).sum::<f64>();
+    let kept = new.iter().zip(old).all(|(n, o)| n.periodic || !o.periodic);
+    kept && left(new) < left(old)
 }
 
 /// Gives a sensor that is left out in a run the noise it has in the others.

@@ -7,8 +7,10 @@ use crate::balance_fit::BalanceCandidate;
 use crate::effects::{ALL, EffectPlace, FREE, StructureForm};
 use crate::force_laws::{Answer, History, names, regress, shapes};
 use crate::{Study, Unknown, signed};
-use frettrace_forward::accelerations::{Beside, Port, PortLaw, PortPlace, Quantity, Setting};
+use frettrace_forward::accelerations::{Balance, Beside, Port, PortLaw, PortPlace, Quantity, Setting};
+use num_complex::Complex64;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Where a further force acts, and what is left with it.
 #[derive(Clone, Copy, Debug)]
@@ -92,6 +94,45 @@ impl Study<'_> {
     fn chi_beside(&self, setting: &Setting, beside: Beside) -> f64 {
         let found = self.model.balance_beside(setting, &self.training, beside);
         found.map_or(f64::INFINITY, |all| all.iter().map(|b| b.chi_squared().0).sum())
+    }
+
+    /// A motion of the clamp of any size and phase on every line, where it closes the balance far better than the plain
+    /// structure does: recovered beside the contact force, then an input with a factor.
+    pub(crate) fn base_candidate(&self, setting: &Setting, plain: f64) -> Option<BalanceCandidate> {
+        let effect = ALL.iter().position(|e| e.id() == "excitation.base-motion")?;
+        if setting.base.is_some() || !self.case.allows(ALL[effect].id()) {
+            return None;
+        }
+        let all: Vec<usize> = (0..self.model.runs.len()).collect();
+        let found = self.model.balance_beside(setting, &all, Beside::Base).ok()?;
+        let (chi, freedom) = self
+            .training
+            .iter()
+            .map(|&run| found[run].chi_squared())
+            .fold((0.0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
+        if chi > WORTH * plain {
+            return None;
+        }
+        let known: Vec<Vec<Complex64>> = found.iter().map(significant).collect();
+        let lines: usize =
+            self.training.iter().map(|&run| known[run].iter().filter(|l| l.norm() > 0.0).count()).sum();
+        let mut setting = setting.clone();
+        setting.base = Some([1.0, 0.0]);
+        setting.base_motion = Some(Arc::new(known));
+        let factor = |quantity, name| signed(quantity, (name, "1"), 1e-2, FREE);
+        let unknowns = vec![
+            factor(Quantity::BaseReal, "base_motion_factor_real"),
+            factor(Quantity::BaseImaginary, "base_motion_factor_imaginary"),
+        ];
+        let count = self.residual_count() as f64;
+        Some(BalanceCandidate {
+            effect,
+            sensor: None,
+            setting,
+            criterion: chi + 2.0 * lines as f64 * count.ln(),
+            reduced: chi / freedom.max(1) as f64,
+            unknowns,
+        })
     }
 
     /// Golden section around a place.
@@ -194,6 +235,14 @@ impl Study<'_> {
         }
         StructureForm { setting, unknowns, sensor: None }
     }
+}
+
+/// Lines of what was free beside the contact, those within five standard deviations of nothing left out.
+fn significant(balance: &Balance) -> Vec<Complex64> {
+    let (Some(lines), Some(std)) = (balance.beside.first(), balance.beside_deviation.first()) else {
+        return Vec::new();
+    };
+    lines.iter().zip(std).map(|(l, d)| if l.norm() > 5.0 * d { *l } else { Complex64::ZERO }).collect()
 }
 
 fn with_only(setting: &Setting, place: PortPlace) -> Setting {

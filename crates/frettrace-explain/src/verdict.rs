@@ -86,7 +86,9 @@ const PROXY: f64 = 0.4;
 const BALANCE_CALIBRATED: f64 = 1.1;
 /// The balance of all training runs is closed below this χ² per degree of freedom …
 const BALANCE_CLOSED: f64 = 1.6;
-/// … and below this in each of them.
+/// … wide open above this, where a law would only be bent to what is missing, …
+const BALANCE_WIDE: f64 = 100.0;
+/// … and closed below this in each of them.
 const BALANCE_CLOSED_RUN: f64 = 2.6;
 
 /// Explains a case.
@@ -129,7 +131,10 @@ impl Search<'_> {
         if let Some(base) = self.study.contact_base(&recovered, &setting, &law) {
             setting.law = base.law;
         }
-        match self.study.whole(setting.clone(), &unknowns, (Vec::new(), Vec::new()), 10) {
+        // No law closes a balance that is wide open: a few steps show how far the declared model is.
+        let wide = self.study.balance_reduced(&setting).0 > BALANCE_WIDE;
+        let steps = if wide { 4 } else { 10 };
+        match self.study.whole(setting.clone(), &unknowns, (Vec::new(), Vec::new()), steps) {
             Ok(found) => Ok(found),
             // A declared model without a steady answer is still a model: it explains nothing.
             Err(_) => self.study.blank(setting, &unknowns),
@@ -164,9 +169,12 @@ impl Search<'_> {
             let before = current.clone();
             let rivals = std::mem::take(&mut self.rivals);
             let found = if self.closed(&current.fitted.setting) {
-                self.contact_round(&current)?
+                match self.slight_round(&current)? {
+                    Some(found) => Some(found),
+                    None => self.contact_round(&current)?,
+                }
             } else {
-                self.structure_round(&current)?
+                self.structure_round(&current, f64::INFINITY)?
             };
             let mut better = match found {
                 Some(better) if better.criterion + EVIDENCE < current.criterion => better,
@@ -274,13 +282,29 @@ impl Search<'_> {
         }
     }
 
-    fn structure_round(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {
+    /// A structure effect where the balance is closed by what is usual, yet not by what the noise allows.
+    fn slight_round(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {
+        let (reduced, _) = self.study.balance_reduced(&current.fitted.setting);
+        if reduced <= BALANCE_CALIBRATED {
+            return Ok(None);
+        }
+        let found = self.structure_round(current, 0.5 * (1.0 + reduced))?;
+        Ok(found.filter(|better| better.excess() < PROXY * current.excess()))
+    }
+
+    /// Effects outside the contact that bring χ² per degree of freedom of the balance below `limit`.
+    fn structure_round(
+        &mut self,
+        current: &Explained,
+        limit: f64,
+    ) -> Result<Option<Explained>, ExplainError> {
         let structural: Vec<Unknown> = current.added.iter().filter(|u| !is_law(u)).cloned().collect();
         let setting = self.structural_start(current);
         let plain = self.study.balance_base(&setting, &structural);
         let mut candidates = self.study.balance_candidates(&setting, &structural, &current.effects);
         if setting.ports.is_empty() {
             candidates.extend(self.study.force_candidates(&setting, plain.criterion));
+            candidates.extend(self.study.base_candidate(&setting, plain.criterion));
         }
         candidates.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
         // One form of each effect is re-fitted.
@@ -300,7 +324,7 @@ impl Search<'_> {
         let found = candidates
             .iter()
             .take(3)
-            .filter(|c| c.criterion < 3.0 * best)
+            .filter(|c| c.criterion < 3.0 * best && c.reduced < limit)
             .filter_map(|candidate| self.with_structure(current, candidate).ok())
             .collect();
         Ok(self.take_best(current, found))

@@ -10,6 +10,8 @@ const MAINS: [f64; 2] = [50.0, 60.0];
 const HARMONICS: usize = 6;
 /// χ² per run that a tone must explain in a channel.
 const CLAIM: f64 = 40.0;
+/// Smallest amplitude of a hum over the noise: half a deviation adds an eighth to the power of the noise.
+const HEARD: f64 = 0.5;
 /// Share of a tone that the lines of the motion may take before it cannot be told from them.
 const LEAST_OWN: f64 = 0.02;
 /// Largest ratio between the upper and the lower quartile of a hum's amplitude over the runs: it does not follow the level.
@@ -59,9 +61,13 @@ pub(super) fn find(
         let Some(tone) = best.filter(|t| t.gain > CLAIM * runs.len() as f64 && steady(&t.amplitude)) else {
             break;
         };
-        take_out(runs, &tone, channels);
         let size = |a: &[f64; 2]| a[0].hypot(a[1]);
         let amplitude = tone.amplitude.iter().map(size).sum::<f64>() / tone.amplitude.len() as f64;
+        let noise: f64 = bare.iter().map(|b| b.variance[tone.sensor].sqrt()).sum::<f64>() / bare.len() as f64;
+        if amplitude < HEARD * noise {
+            break;
+        }
+        take_out(runs, &tone, channels);
         let known = faults.iter_mut().find(|f| f.sensor == tone.sensor);
         if let Some(fault) = known {
             fault.evidence += tone.gain;

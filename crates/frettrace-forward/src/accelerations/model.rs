@@ -119,7 +119,7 @@ impl AccelerationModel {
                 .transmissibility(lines.omega, lines.contact_order, self.rig.lever.is_some())
                 .into_iter()
                 .enumerate()
-                .map(|(k, t)| t * factor * lines.clamp_unit(setting.base_line, k / rows))
+                .map(|(k, t)| t * factor * setting.clamp_unit(lines, (run, k / rows)))
                 .collect()
         });
         Prepared { block, base }
@@ -391,7 +391,6 @@ impl Differentiation<'_> {
         };
         let changed = Evaluation { block: &derivative, base: &[], ..*e };
         let rows = e.layout.rows();
-        let _ = self.run;
         Some(
             (0..=order)
                 .flat_map(|h| (0..rows).map(move |row| (h, row)))
@@ -408,7 +407,7 @@ impl Differentiation<'_> {
             .transmissibility(e.lines.omega, e.order(), e.rotation)
             .into_iter()
             .enumerate()
-            .map(|(k, t)| t * unit * e.lines.clamp_unit(e.setting.base_line, k / rows))
+            .map(|(k, t)| t * unit * e.setting.clamp_unit(e.lines, (self.run, k / rows)))
             .collect()
     }
 }

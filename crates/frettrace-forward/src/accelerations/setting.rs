@@ -1,8 +1,11 @@
 //! What the model is made of: the declared rig and the values of everything that may be fitted.
 
 use super::ports::{COEFFICIENTS, PortLaw};
+use super::run::RunLines;
 use frettrace_beam::{Boundary, UniformBeam};
 use frettrace_friction::effects::{Hook, ModifiedLaw};
+use num_complex::Complex64;
+use std::sync::Arc;
 
 /// The declared rig.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,11 +130,21 @@ pub struct Setting {
     /// The line on which the clamp has an acceleration of its own, in phase with the excitation; 0 where its motion follows
     /// the excitation on every line.
     pub base_line: usize,
+    /// Lines of the motion of the clamp in every run (m), known from elsewhere; `base` is then a factor on them.
+    pub base_motion: Option<Arc<Vec<Vec<Complex64>>>>,
     /// Sensors.
     pub sensors: Vec<SensorSetting>,
 }
 
 impl Setting {
+    /// Motion of the clamp on a line of a run for a unit value of `base`.
+    pub(super) fn clamp_unit(&self, lines: &RunLines, (run, line): (usize, usize)) -> Complex64 {
+        match &self.base_motion {
+            Some(known) => known.get(run).and_then(|l| l.get(line)).copied().unwrap_or_default(),
+            None => lines.clamp_unit(self.base_line, line),
+        }
+    }
+
     /// The value of a quantity; `None` where the model does not hold it.
     #[must_use]
     pub fn get(&self, quantity: Quantity) -> Option<f64> {
