@@ -55,6 +55,18 @@ impl CalibratedStructure {
         self.relative_std(2 * mode + 1)
     }
 
+    /// Independent sources of the parameters' errors: `δθ = Σ_p ξ_p r_p` with standard normal `ξ_p`, `Σ_p r_p r_pᵀ` the covariance.
+    #[must_use]
+    pub fn roots(&self) -> Vec<Vec<f64>> {
+        let n = 2 * self.modes;
+        let Ok(eigen) = Mat::from_fn(n, n, |i, k| self.covariance[i * n + k]).self_adjoint_eigen(Side::Lower)
+        else {
+            return Vec::new();
+        };
+        let root = |p: usize| (0..n).map(|i| eigen.U()[(i, p)] * eigen.S()[p].max(0.0).sqrt()).collect();
+        (0..n).map(root).collect()
+    }
+
     fn relative_std(&self, parameter: usize) -> f64 {
         let n = 2 * self.modes;
         if parameter < n { self.covariance[parameter * n + parameter].max(0.0).sqrt() } else { 0.0 }
@@ -65,17 +77,28 @@ impl CalibratedStructure {
 pub(crate) struct Equations<'a> {
     pub(crate) lines: &'a RunLines,
     pub(crate) loads: Vec<Load>,
+    /// Variance that an imperfect structure adds to each sensor of each line `1..=H`; empty for none.
+    pub(crate) doubt: Vec<Vec<f64>>,
 }
 
-impl Equations<'_> {
+impl<'a> Equations<'a> {
+    /// Equations of a perfect structure.
+    pub(crate) fn new(lines: &'a RunLines, loads: Vec<Load>) -> Self {
+        Self { lines, loads, doubt: Vec::new() }
+    }
+
     /// Data of a line `h ≥ 1`.
     pub(crate) fn data(&self, line: usize) -> LineData {
-        LineData {
+        let mut data = LineData {
             force: self.lines.force.coefficients[line],
             force_variance: self.lines.force.variance[line],
             accelerations: self.lines.accelerations.iter().map(|a| a.coefficients[line]).collect(),
             variances: self.lines.accelerations.iter().map(|a| a.variance[line]).collect(),
+        };
+        if let Some(doubt) = self.doubt.get(line - 1) {
+            data.variances.iter_mut().zip(doubt).for_each(|(v, d)| *v += d);
         }
+        data
     }
 
     pub(crate) fn order(&self) -> usize {
@@ -110,7 +133,7 @@ impl Step {
 pub(crate) fn calibrate(
     declared: &CalibratedStructure,
     dynamics: &Dynamics,
-    runs: &[Equations<'_>],
+    runs: &[&Equations<'_>],
 ) -> CalibratedStructure {
     let problem = Problem { declared, dynamics, runs };
     let mut theta = vec![0.0; 2 * declared.modes];
@@ -139,7 +162,7 @@ pub(crate) fn calibrate(
 struct Problem<'a> {
     declared: &'a CalibratedStructure,
     dynamics: &'a Dynamics,
-    runs: &'a [Equations<'a>],
+    runs: &'a [&'a Equations<'a>],
 }
 
 impl Problem<'_> {

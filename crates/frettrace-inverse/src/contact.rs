@@ -1,15 +1,15 @@
 //! Contact forces, slip and fit of one run, with covariance.
 
+mod outputs;
+mod prior;
+
 use crate::balance::LineBalance;
-use crate::calibration::{CalibratedStructure, Equations, generalised_force};
+use crate::calibration::{CalibratedStructure, Equations};
 use crate::dynamics::{Dynamics, LineReceptances, Load};
 use crate::splines::PeriodicSpline;
 use frettrace_fourier::Harmonics;
 use num_complex::Complex64;
-
-/// The prior variance of an insignificant line is at least this share of its own variance: what hides below the noise
-/// stays possible.
-const HIDDEN: f64 = 0.05;
+use outputs::Outputs;
 
 /// What was recovered in the contact, line by line; line 0 is zero throughout, for accelerations do not see means.
 #[derive(Clone, Debug)]
@@ -26,6 +26,34 @@ pub struct ContactHarmonics {
     pub second_support: Option<Harmonics>,
     /// Accelerations that the structure makes of all forces (m/s²).
     pub acceleration_fit: Vec<Harmonics>,
+    /// Errors that the lines of a quantity have in common.
+    pub shared: SharedErrors,
+}
+
+/// Errors that all lines of a quantity have in common, for they come from the structure: `Σ_p ξ_p Re Σ_h g_ph e^{ihΩt}` with
+/// independent standard normal `ξ_p`. They are part of the variances of the lines; in a time series they make a band that
+/// breathes with the signal. One vector of `H + 1` coefficients a source `p`; none for an aperiodic run.
+#[derive(Clone, Debug, Default)]
+pub struct SharedErrors {
+    /// Of the friction force (N).
+    pub friction: Vec<Vec<Complex64>>,
+    /// Of the slip (m).
+    pub slip: Vec<Vec<Complex64>>,
+    /// Of the normal force (N).
+    pub normal: Vec<Vec<Complex64>>,
+    /// Of the force of the second support (N).
+    pub second_support: Vec<Vec<Complex64>>,
+}
+
+impl SharedErrors {
+    /// Of the slip velocity (m/s), with the base frequency (rad/s): line `h` of the slip times `ihΩ`.
+    #[must_use]
+    pub fn slip_velocity(&self, base: f64) -> Vec<Vec<Complex64>> {
+        let turned = |source: &Vec<Complex64>| {
+            source.iter().enumerate().map(|(h, g)| g * Complex64::new(0.0, base * h as f64)).collect()
+        };
+        self.slip.iter().map(turned).collect()
+    }
 }
 
 /// What no contact force at the declared places can explain: the structure or a sensor is at fault, never a friction law.
@@ -104,11 +132,13 @@ impl Setting<'_> {
 
     /// Balance with the regularisation: each force of each line has a prior variance drawn from the spectrum itself.
     pub(crate) fn balance(&self, run: &Equations<'_>) -> RunBalance {
-        let (residual, powers) = self.free(run);
+        let (_, powers) = self.free(run);
+        let residual = self.residual(&Equations::new(run.lines, run.loads.clone()));
         let stride = 2 * run.lines.subharmonic_order;
-        let priors: Vec<Vec<f64>> = powers.iter().map(|p| prior_variances(p, stride)).collect();
+        let priors: Vec<Vec<f64>> = powers.iter().map(|p| prior::variances(p, stride)).collect();
         let smooth = if self.splines { smoothed(run, &powers[0]) } else { None };
-        let mut table = Table::new(run, self.dynamics.sensors());
+        let roots = self.structure.roots();
+        let mut table = Table::new(run, self.dynamics.sensors(), roots.len() + 1);
         let mut line = LineReceptances::default();
         let mut regularised = Vec::new();
         for h in 1..=run.order() {
@@ -123,7 +153,7 @@ impl Setting<'_> {
                 regularised.push(h);
             }
             let outputs = Outputs { setting: self, run, line: &line, balance: &balance, h };
-            outputs.write(&mut table);
+            outputs.write(&roots, &mut table);
         }
         RunBalance { contact: table.finish(run), residual, regularised }
     }
@@ -137,37 +167,22 @@ fn smoothed(run: &Equations<'_>, friction: &[(Complex64, f64)]) -> Option<Harmon
     PeriodicSpline::from_lines(&Harmonics { base, coefficients, variance })?.lines(run.order(), base)
 }
 
-/// Prior variance of each line: the power of the line and of the next two of its parity (friction forces fall with the
-/// line and hold odd or even lines), less the noise in it (empirical Bayes).
-fn prior_variances(found: &[(Complex64, f64)], stride: usize) -> Vec<f64> {
-    (0..found.len())
-        .map(|h| {
-            let near = || (0..3).filter_map(|i| found.get(h + i * stride)).filter(|(_, v)| v.is_finite());
-            let weight = |v: f64| 1.0 / (v * v).max(f64::MIN_POSITIVE);
-            let total: f64 = near().map(|(_, v)| weight(*v)).sum();
-            let excess: f64 = near().map(|(f, v)| weight(*v) * (f.norm_sqr() - v)).sum();
-            let power = if total > 0.0 { excess / total } else { 0.0 };
-            // A line that stands out by itself speaks for itself.
-            let own = found[h].0.norm_sqr() - found[h].1;
-            let alone = if own > 4.0 * found[h].1 { own } else { 0.0 };
-            power.max(alone).max(HIDDEN * found[h].1).max(f64::MIN_POSITIVE)
-        })
-        .collect()
-}
-
 /// Values and variances of all outputs, line by line: friction, slip, normal, second support, sensors.
 struct Table {
     values: Vec<Vec<Complex64>>,
     variances: Vec<Vec<f64>>,
+    /// Shared errors of the outputs before the sensors: one vector of sources an output.
+    shared: [Vec<Vec<Complex64>>; FIRST_SENSOR],
 }
 
 /// Outputs before the sensors: friction, slip, normal, second support.
 const FIRST_SENSOR: usize = 4;
 
 impl Table {
-    fn new(run: &Equations<'_>, sensors: usize) -> Self {
+    fn new(run: &Equations<'_>, sensors: usize, sources: usize) -> Self {
         let lines = run.order() + 1;
         Self {
+            shared: std::array::from_fn(|_| vec![vec![Complex64::ZERO; lines]; sources]),
             values: vec![vec![Complex64::ZERO; lines]; FIRST_SENSOR + sensors],
             variances: vec![vec![0.0; lines]; FIRST_SENSOR + sensors],
         }
@@ -182,7 +197,14 @@ impl Table {
         });
         let mut next = || all.next().unwrap_or_else(|| Harmonics::exact(base, Vec::new()));
         let (friction, slip, normal, second) = (next(), next(), next(), next());
+        let [shared_friction, shared_slip, shared_normal, shared_second] = self.shared;
         ContactHarmonics {
+            shared: SharedErrors {
+                friction: shared_friction,
+                slip: shared_slip,
+                normal: shared_normal,
+                second_support: shared_second,
+            },
             slip_velocity: slip.derivative(),
             friction,
             slip,
@@ -193,122 +215,3 @@ impl Table {
     }
 }
 
-/// Outputs of one line and how they move with everything that is uncertain.
-struct Outputs<'a> {
-    setting: &'a Setting<'a>,
-    run: &'a Equations<'a>,
-    line: &'a LineReceptances,
-    balance: &'a LineBalance,
-    h: usize,
-}
-
-/// A change of the forces and of one mode's coordinate.
-struct Change<'a> {
-    exciter: Complex64,
-    forces: &'a [Complex64],
-    mode: Option<(usize, Complex64)>,
-}
-
-impl Outputs<'_> {
-    fn write(&self, table: &mut Table) {
-        let force = self.run.lines.force.coefficients[self.h];
-        let here = Change { exciter: force, forces: &self.balance.forces, mode: None };
-        for (row, value) in table.values.iter_mut().zip(self.of(&here)) {
-            row[self.h] = value;
-        }
-        let variances = self.variances();
-        for (row, value) in table.variances.iter_mut().zip(variances) {
-            row[self.h] = value;
-        }
-    }
-
-    /// All outputs for given forces; they are linear in them.
-    fn of(&self, change: &Change<'_>) -> Vec<Complex64> {
-        let loads = &self.run.loads;
-        let sum = |response: &dyn Fn(Load) -> Complex64| {
-            response(Load::Exciter) * change.exciter
-                + loads.iter().zip(change.forces).map(|(load, f)| response(*load) * f).sum::<Complex64>()
-        };
-        let own = |wanted: Load| {
-            loads.iter().zip(change.forces).find(|(l, _)| **l == wanted).map_or(Complex64::ZERO, |(_, f)| *f)
-        };
-        let (mode, motion) = change.mode.unwrap_or((0, Complex64::ZERO));
-        let [slip_shape, end_shape] = self.setting.dynamics.contact_shape(mode);
-        let slip = sum(&|load| self.line.slip(load)) + motion * slip_shape;
-        let end = sum(&|load| self.line.end(load)) + motion * end_shape;
-        let normal = own(Load::NormalDeviation) - end * self.setting.normal_stiffness;
-        let mut outputs = vec![own(Load::Friction), slip, normal, own(Load::SecondSupport)];
-        let inertia = -self.line.omega().powi(2);
-        outputs.extend((0..self.setting.dynamics.sensors()).map(|s| {
-            sum(&|load| self.line.acceleration(s, load))
-                + motion * (inertia * self.setting.dynamics.sensor_shape(mode, s))
-        }));
-        outputs
-    }
-
-    /// Variances from sensor noise and prior, from the noise of the force, and from the structure.
-    fn variances(&self) -> Vec<f64> {
-        let unknowns = self.run.loads.len();
-        let covariance = self.balance.covariance();
-        let unit = |u: usize| -> Vec<Complex64> {
-            (0..unknowns).map(|i| Complex64::from(f64::from(u8::from(i == u)))).collect()
-        };
-        let columns: Vec<Vec<Complex64>> = (0..unknowns)
-            .map(|u| self.of(&Change { exciter: Complex64::ZERO, forces: &unit(u), mode: None }))
-            .collect();
-        let mut variances: Vec<f64> = (0..columns[0].len())
-            .map(|o| {
-                (0..unknowns * unknowns)
-                    .map(|e| {
-                        let (i, k) = (e / unknowns, e % unknowns);
-                        (columns[i][o] * covariance[e] * columns[k][o].conj()).re
-                    })
-                    .sum()
-            })
-            .collect();
-        let force_variance = self.run.lines.force.variance[self.h];
-        for (variance, gain) in variances.iter_mut().zip(self.force_gain()) {
-            *variance += gain.norm_sqr() * force_variance;
-        }
-        self.add_structure(&mut variances);
-        variances
-    }
-
-    /// Change of the outputs per unit of the excitation force's line, the accelerations being given.
-    fn force_gain(&self) -> Vec<Complex64> {
-        let sensors = self.setting.dynamics.sensors();
-        let change: Vec<Complex64> =
-            (0..sensors).map(|s| -self.line.acceleration(s, Load::Exciter)).collect();
-        let forces = self.balance.response(&change);
-        self.of(&Change { exciter: Complex64::ONE, forces: &forces, mode: None })
-    }
-
-    fn add_structure(&self, variances: &mut [f64]) {
-        let structure = self.setting.structure;
-        let gains: Vec<Vec<Complex64>> =
-            (0..2 * structure.modes).map(|p| self.parameter_gain(p / 2, p % 2)).collect();
-        let n = gains.len();
-        for (o, variance) in variances.iter_mut().enumerate() {
-            for (p, gain) in gains.iter().enumerate() {
-                let row = &structure.covariance[p * n..(p + 1) * n];
-                let along: Complex64 = row.iter().zip(&gains).map(|(c, g)| g[o] * *c).sum();
-                *variance += (gain[o].conj() * along).re;
-            }
-        }
-    }
-
-    /// Change of the outputs per unit of `ln ω_n` (`kind` 0) or `ln ζ_n` (1), the measurements being given.
-    fn parameter_gain(&self, mode: usize, kind: usize) -> Vec<Complex64> {
-        let dynamics = self.setting.dynamics;
-        let model = &self.setting.structure.model;
-        let force = self.run.lines.force.coefficients[self.h];
-        let load = generalised_force(dynamics, mode, force, &self.run.loads, &self.balance.forces);
-        let scale = [model.natural_frequency()[mode], model.damping_ratio()[mode]][kind];
-        let motion = model.modal_receptance_gradient(mode, self.line.omega())[kind] * scale * load;
-        let inertia = self.line.omega().powi(2);
-        let change: Vec<Complex64> =
-            (0..dynamics.sensors()).map(|s| motion * (inertia * dynamics.sensor_shape(mode, s))).collect();
-        let forces = self.balance.response(&change);
-        self.of(&Change { exciter: Complex64::ZERO, forces: &forces, mode: Some((mode, motion)) })
-    }
-}

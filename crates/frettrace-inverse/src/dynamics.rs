@@ -1,7 +1,7 @@
 //! Receptances of a rig, line by line: from every load that acts to every motion that is wanted.
 
 use crate::{Rig, Slip};
-use frettrace_beam::{Dof, Freedom, ModalModel};
+use frettrace_beam::{Dof, Freedom, ModalModel, ModeShape, mode_shapes};
 use num_complex::Complex64;
 
 /// A load on the beam.
@@ -46,6 +46,8 @@ pub struct Dynamics {
     input: Vec<f64>,
     /// Residual flexibility, `S + 2` rows of four.
     residual: Vec<f64>,
+    /// Flexibility of the modes beyond those the beam theory holds for, `S + 2` rows of four.
+    doubtful: Vec<f64>,
 }
 
 /// Receptances of one line.
@@ -101,17 +103,28 @@ impl Dynamics {
         let at = |points: &[(Dof, f64)]| -> Vec<f64> {
             model.shapes().iter().flat_map(|shape| points.iter().map(|(dof, c)| c * shape.at(*dof))).collect()
         };
-        let residual = outputs
-            .iter()
-            .flat_map(|(o, c)| inputs.iter().map(move |(i, d)| c * d * model.residual(*o, *i)))
-            .collect();
+        let beyond = beyond(rig);
+        let table = |flexibility: &dyn Fn(Dof, Dof) -> f64| -> Vec<f64> {
+            let row = |(o, c): &(Dof, f64)| {
+                inputs.iter().map(|(i, d)| c * d * flexibility(*o, *i)).collect::<Vec<_>>()
+            };
+            outputs.iter().flat_map(row).collect()
+        };
+        let residual = table(&|o, i| model.residual(o, i));
+        let doubtful = table(&|o, i| model.residual(o, i) + beyond.iter().map(|b| b.between(o, i)).sum::<f64>());
         Self {
+            doubtful,
             sensors: rig.sensors.len(),
             modes: model.mode_count(),
             output: at(&outputs),
             input: at(&inputs),
             residual,
         }
+    }
+
+    /// Flexibility (m/N) from a load to an output (sensors, slip, end) of the modes that the beam theory does not hold for.
+    pub(crate) fn doubtful(&self, output: usize, load: Load) -> f64 {
+        self.doubtful[output * COLUMNS + load.column()]
     }
 
     /// Number of sensors.
@@ -157,4 +170,33 @@ impl Dynamics {
             }
         }
     }
+}
+
+/// A mode between the last one summed and the last one that the beam theory holds for; its flexibility counts against the
+/// residual, or for it where more modes are summed than the theory holds for.
+struct Between {
+    shape: ModeShape,
+    sign: f64,
+}
+
+impl Between {
+    fn between(&self, output: Dof, input: Dof) -> f64 {
+        self.sign * self.shape.at(output) * self.shape.at(input) / self.shape.natural_frequency().powi(2)
+    }
+}
+
+fn beyond(rig: &Rig) -> Vec<Between> {
+    let (summed, held) = (rig.structure.mode_count(), rig.beam_modes);
+    let sign = if held > summed { -1.0 } else { 1.0 };
+    // The shapes exist for as many modes as were summed; where those beyond cannot be computed nothing is taken off.
+    let shapes = mode_shapes(rig.structure.beam(), rig.structure.boundary(), held.max(summed));
+    let first = summed.min(held);
+    let count = held.max(summed) - first;
+    shapes
+        .unwrap_or_default()
+        .into_iter()
+        .skip(first)
+        .take(count)
+        .map(|shape| Between { shape, sign })
+        .collect()
 }

@@ -206,7 +206,7 @@ fn balances(
         .map(|h| (h, lines.accelerations.iter().map(|a| a.coefficients[h].norm_sqr()).sum()))
         .collect();
     strength.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let equations = Equations { lines, loads: run.loads.clone() };
+    let equations = Equations::new(lines, run.loads.clone());
     let free = vec![f64::INFINITY; run.loads.len()];
     strength
         .iter()

@@ -10,6 +10,7 @@ use crate::analysis::{Form, RunLines, analyse};
 use crate::aperiodic;
 use crate::calibration::{CalibratedStructure, Equations, calibrate};
 use crate::contact::{BalanceResidual, ContactHarmonics, RunBalance, Setting};
+use crate::doubt;
 use crate::dynamics::{Dynamics, Load};
 use crate::findings::{self, Finding};
 use crate::{InverseError, Options, Rig, RunData, Slip};
@@ -86,28 +87,37 @@ pub fn reconstruct(
     let mut wanted = vec![Load::Friction];
     wanted.extend(rig.second_support.map(|_| Load::SecondSupport));
     let mut loads = vec![wanted; runs.len()];
-    let mut structure = fitted(&declared, &dynamics, (&lines, &loads), options);
+    let calibrated = |equations: &[Equations<'_>]| fitted(&declared, &dynamics, equations, options);
+    let mut structure = calibrated(&equations(&lines, &loads));
     if free_normal_reaction(rig, &setting(rig, &structure, &dynamics), &lines, &mut loads) {
-        structure = fitted(&declared, &dynamics, (&lines, &loads), options);
+        structure = calibrated(&equations(&lines, &loads));
+    }
+    let mut equations = equations(&lines, &loads);
+    if doubt::add(&setting(rig, &structure, &dynamics), &mut equations) {
+        structure = calibrated(&equations);
     }
     let setting = Setting { splines: options.splines, ..setting(rig, &structure, &dynamics) };
     let mut findings = findings::of_channels(rig, runs);
-    findings.extend(loudest(&lines).and_then(|run| {
-        let equations = Equations { lines: &lines[run], loads: loads[run].clone() };
-        findings::of_balance(&setting, &equations)
-    }));
+    findings.extend(
+        loudest(&lines)
+            .and_then(|run| findings::of_balance(&setting, &Equations::new(&lines[run], loads[run].clone()))),
+    );
+    let balances: Vec<RunBalance> = equations
+        .par_iter()
+        .zip(runs)
+        .map(|(equations, run)| match equations.lines.form {
+            Form::Aperiodic => aperiodic::solve(&setting, run, equations.lines, &equations.loads),
+            _ => setting.balance(equations),
+        })
+        .collect();
+    drop(equations);
     let finished = lines
         .into_par_iter()
         .zip(loads)
         .zip(runs)
-        .map(|((lines, loads), run)| {
-            let deviates = loads.contains(&Load::NormalDeviation);
-            let balance = if lines.form == Form::Aperiodic {
-                aperiodic::solve(&setting, run, &lines, &loads)
-            } else {
-                setting.balance(&Equations { lines: &lines, loads })
-            };
-            finish(rig, run, (lines, balance), deviates)
+        .zip(balances)
+        .map(|(((lines, loads), run), balance)| {
+            finish(rig, run, (lines, balance), loads.contains(&Load::NormalDeviation))
         })
         .collect();
     Ok(Reconstruction { structure, runs: finished, findings })
@@ -125,21 +135,24 @@ fn setting<'a>(rig: &Rig, structure: &'a CalibratedStructure, dynamics: &'a Dyna
     Setting { structure, dynamics, normal_stiffness: rig.normal_stiffness, splines: false }
 }
 
-/// The structure calibrated on the periodic runs.
+/// Equations of all runs.
+fn equations<'a>(lines: &'a [RunLines], loads: &[Vec<Load>]) -> Vec<Equations<'a>> {
+    lines.iter().zip(loads).map(|(lines, loads)| Equations::new(lines, loads.clone())).collect()
+}
+
+/// The structure calibrated on the periodic runs that leave degrees of freedom.
 fn fitted(
     declared: &CalibratedStructure,
     dynamics: &Dynamics,
-    (lines, loads): (&[RunLines], &[Vec<Load>]),
+    equations: &[Equations<'_>],
     options: &Options,
 ) -> CalibratedStructure {
-    let equations: Vec<Equations<'_>> = lines
+    let usable: Vec<&Equations<'_>> = equations
         .iter()
-        .zip(loads)
-        .filter(|(lines, loads)| lines.form != Form::Aperiodic && dynamics.sensors() > loads.len())
-        .map(|(lines, loads)| Equations { lines, loads: loads.clone() })
+        .filter(|run| run.lines.form != Form::Aperiodic && dynamics.sensors() > run.loads.len())
         .collect();
-    if options.calibrate && !equations.is_empty() {
-        calibrate(declared, dynamics, &equations)
+    if options.calibrate && !usable.is_empty() {
+        calibrate(declared, dynamics, &usable)
     } else {
         declared.clone()
     }
@@ -162,13 +175,13 @@ fn free_normal_reaction(
         if rig.sensors.len() < loads.len() + 2 || lines.form == Form::Aperiodic {
             continue;
         }
-        let bound = setting.residual(&Equations { lines, loads: loads.clone() }).reduced() - 1.0;
+        let bound = setting.residual(&Equations::new(lines, loads.clone())).reduced() - 1.0;
         if bound < CONSPICUOUS {
             continue;
         }
         let mut more = loads.clone();
         more.push(Load::NormalDeviation);
-        let free = setting.residual(&Equations { lines, loads: more.clone() }).reduced() - 1.0;
+        let free = setting.residual(&Equations::new(lines, more.clone())).reduced() - 1.0;
         if free < LEFT * bound {
             *loads = more;
             any = true;
@@ -186,8 +199,8 @@ fn finish(
     let RunBalance { contact, residual, regularised } = balance;
     let frequency_std = if lines.form == Form::Aperiodic { 0.0 } else { lines.frequency.std };
     let times = Times { rate: lines.sampling_rate, samples: lines.samples, frequency_std };
-    let series = |harmonics| Channel::from_harmonics(harmonics, &times);
-    let acceleration_fit: Vec<Channel> = contact.acceleration_fit.iter().map(series).collect();
+    let series = |harmonics, shared: &[_]| Channel::from_harmonics(harmonics, shared, &times);
+    let acceleration_fit: Vec<Channel> = contact.acceleration_fit.iter().map(|a| series(a, &[])).collect();
     let (acceleration_error, noise_floor) = series::errors(run, &acceleration_fit, &lines.noise_std);
     let mut notes = Vec::new();
     if lines.form == Form::Aperiodic {
@@ -198,11 +211,14 @@ fn finish(
     }
     RunReconstruction {
         time: (0..lines.samples).map(|j| j as f64 / lines.sampling_rate).collect(),
-        friction_force: series(&contact.friction),
-        normal_force: series(&contact.normal).plus(run.preload),
-        slip_displacement: series(&contact.slip),
-        slip_velocity: series(&contact.slip_velocity),
-        second_support_force: contact.second_support.as_ref().map(series),
+        friction_force: series(&contact.friction, &contact.shared.friction),
+        normal_force: series(&contact.normal, &contact.shared.normal).plus(run.preload),
+        slip_displacement: series(&contact.slip, &contact.shared.slip),
+        slip_velocity: series(&contact.slip_velocity, &contact.shared.slip_velocity(contact.slip.base)),
+        second_support_force: contact
+            .second_support
+            .as_ref()
+            .map(|second| series(second, &contact.shared.second_support)),
         acceleration_fit,
         acceleration_error,
         noise_floor,

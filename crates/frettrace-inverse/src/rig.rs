@@ -39,6 +39,9 @@ pub struct Rig {
     pub structure: ModalModel,
     /// Trust in the first modes; those beyond keep their values.
     pub trust: Vec<ModeTrust>,
+    /// How many modes the beam theory holds for: those whose half wavelength is at least some thicknesses. The flexibility of
+    /// the others, which matters in the contact alone and which no accelerometer sees, is trusted little.
+    pub beam_modes: usize,
     /// How the contact at the end slips.
     pub slip: Slip,
     /// Stiffness of the linear normal support (N/m); 0 where there is none.

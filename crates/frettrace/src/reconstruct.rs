@@ -48,6 +48,11 @@ const USUAL_DAMPING: f64 = 5e-3;
 const UNKNOWN_DAMPING: f64 = 1.5;
 /// Modes are summed up to this multiple of half the sampling rate; the rest acts by its flexibility.
 const SUMMED: f64 = 4.0;
+/// Half a wavelength over the thickness from which on the section stays plane and local deformation does not matter; at three
+/// shear and rotary inertia take some ten per cent off a natural frequency.
+const SLENDER: f64 = 3.0;
+/// What lies beyond so many modes is less than half a per cent of the contact's compliance.
+const MOST_BEAM_MODES: usize = 80;
 /// A pinned support is a spring this many times stiffer than the beam, so that its reaction can be told.
 const PINNED: f64 = 1e6;
 
@@ -93,6 +98,7 @@ pub fn rig(measurement: &Measurement) -> Result<Rig, StudyError> {
     Ok(Rig {
         trust: trust(measurement, &structure),
         structure,
+        beam_modes: beam_modes(&measurement.beam),
         slip: match measurement.support.slip {
             SlipKind::Rotation => Slip::Rotation { lever_arm: measurement.support.lever_arm },
             SlipKind::Transverse => Slip::Transverse,
@@ -104,6 +110,11 @@ pub fn rig(measurement: &Measurement) -> Result<Rig, StudyError> {
             .map(|(s, &position)| Sensor { position, noise_std: noise.and_then(|n| n.get(s).copied()) })
             .collect(),
     })
+}
+
+/// Modes whose half wavelength is at least [`SLENDER`] thicknesses.
+fn beam_modes(beam: &file::Beam) -> usize {
+    ((beam.length / (SLENDER * beam.thickness)) as usize).clamp(1, MOST_BEAM_MODES)
 }
 
 fn uniform_beam(beam: &file::Beam) -> UniformBeam {

@@ -2,7 +2,7 @@
 
 use super::{Round, Whole};
 use crate::balance::LineBalance;
-use crate::contact::{BalanceResidual, ContactHarmonics, RunBalance};
+use crate::contact::{BalanceResidual, ContactHarmonics, RunBalance, SharedErrors};
 use crate::dynamics::Load;
 use frettrace_fourier::{Harmonics, spectrum};
 use num_complex::Complex64;
@@ -135,6 +135,7 @@ impl Whole<'_> {
             acceleration_fit: (0..self.setting.dynamics.sensors())
                 .map(|s| harmonics(FIRST_SENSOR + s))
                 .collect(),
+            shared: SharedErrors::default(),
         }
     }
 

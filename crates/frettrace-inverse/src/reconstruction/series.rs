@@ -1,7 +1,9 @@
 //! Time series of the result.
 
 use crate::RunData;
-use frettrace_fourier::Harmonics;
+use frettrace_fourier::{Grid, Harmonics};
+use num_complex::Complex64;
+use std::f64::consts::TAU;
 
 /// When samples are taken, and how well the base frequency is known (rad/s); 0 where lines are bins of the record.
 #[derive(Clone, Copy, Debug)]
@@ -23,20 +25,28 @@ pub struct Channel {
 impl Channel {
     /// Samples of harmonics.
     ///
-    /// Line errors are independent and without preferred phase: their variance `½ Σ_h E|ε_h|²` is the same at all times.
-    /// An error of the base frequency turns the signal about the middle of the record: `δx(t) = δΩ/Ω · (t − T/2) ẋ(t)`.
-    pub(crate) fn from_harmonics(harmonics: &Harmonics, times: &Times) -> Self {
+    /// Noise makes independent errors of the lines, without preferred phase: their variance `½ Σ_h E|ε_h|²` is the same at all
+    /// times. Errors that lines share, `g_p(t)`, add `Σ_p g_p(t)²`. An error of the base frequency turns the signal about the
+    /// middle of the record: `δx(t) = δΩ/Ω · (t − T/2) ẋ(t)`.
+    pub(crate) fn from_harmonics(
+        harmonics: &Harmonics,
+        shared: &[Vec<Complex64>],
+        times: &Times,
+    ) -> Self {
         let Times { rate, samples, frequency_std } = *times;
-        let variance = 0.5 * harmonics.variance.iter().sum::<f64>();
+        let total = 0.5 * harmonics.variance.iter().sum::<f64>();
+        let (variance, breathing) = split(total, shared);
         let turn = if harmonics.base > 0.0 { frequency_std / harmonics.base } else { 0.0 };
         let middle = 0.5 * (samples as f64 - 1.0) / rate;
-        let std = if turn > 0.0 {
-            let slope = harmonics.derivative().sample(rate, samples);
-            let drift = |j: usize| turn * (j as f64 / rate - middle) * slope[j];
-            (0..samples).map(|j| (variance + drift(j).powi(2)).sqrt()).collect()
-        } else {
-            vec![variance.sqrt(); samples]
-        };
+        let slope =
+            if turn > 0.0 { harmonics.derivative().sample(rate, samples) } else { vec![0.0; samples] };
+        let std = (0..samples)
+            .map(|j| {
+                let t = j as f64 / rate;
+                let drift = turn * (t - middle) * slope[j];
+                (variance + at_phase(&breathing, harmonics.base * t) + drift * drift).sqrt()
+            })
+            .collect();
         Self { values: harmonics.sample(rate, samples), std }
     }
 
@@ -46,6 +56,37 @@ impl Channel {
         self.values.iter_mut().for_each(|v| *v += constant);
         self
     }
+}
+
+/// Share of the total variance below which a shared error is counted as an independent one.
+const NEGLIGIBLE: f64 = 1e-3;
+
+/// Splits a total variance into the part that does not depend on time, and that of the shared errors over one period.
+fn split(total: f64, shared: &[Vec<Complex64>]) -> (f64, Vec<f64>) {
+    let power = |source: &[Complex64]| 0.5 * source.iter().map(Complex64::norm_sqr).sum::<f64>();
+    let strong: Vec<&Vec<Complex64>> = shared.iter().filter(|s| power(s) > NEGLIGIBLE * total).collect();
+    let order = strong.first().map_or(0, |source| source.len() - 1);
+    let samples = (8 * order).max(1).next_power_of_two();
+    let Ok(grid) = Grid::new(order, samples) else { return (total, Vec::new()) };
+    let mut scratch = grid.scratch();
+    let (mut sum, mut one) = (vec![0.0; samples], vec![0.0; samples]);
+    let mut left = total;
+    for source in strong {
+        grid.evaluate(source, &mut one, &mut scratch);
+        sum.iter_mut().zip(&one).for_each(|(s, g)| *s += g * g);
+        left -= power(source);
+    }
+    (left.max(0.0), sum)
+}
+
+/// Value of samples over one period at a phase (rad), linear between them; 0 without samples.
+fn at_phase(samples: &[f64], phase: f64) -> f64 {
+    if samples.len() < 2 {
+        return 0.0;
+    }
+    let place = (phase / TAU).rem_euclid(1.0) * samples.len() as f64;
+    let (first, share) = (place as usize % samples.len(), place.fract());
+    samples[first] * (1.0 - share) + samples[(first + 1) % samples.len()] * share
 }
 
 /// Relative root mean square of measured less fitted acceleration over all sensors, means removed; and of noise alone.
