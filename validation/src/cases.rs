@@ -3,6 +3,7 @@
 mod measured_contacts;
 mod verify_beam_modes;
 mod verify_friction_loops;
+pub mod verify_reconstruction_bands;
 
 use crate::case::Case;
 
@@ -10,6 +11,7 @@ use crate::case::Case;
 pub const ALL: &[Case] = &[
     verify_beam_modes::CASE,
     verify_friction_loops::CASE,
+    verify_reconstruction_bands::CASE,
     measured_contacts::FRICTION_DAMPER,
     measured_contacts::TRIBOMETER,
     measured_contacts::PISTON_SEALS,

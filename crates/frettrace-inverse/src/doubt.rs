@@ -56,12 +56,14 @@ impl Sums {
 ///
 /// All runs share one `ε`; a run whose lines leave more than that by [`OWN`] standard deviations has its own.
 pub(crate) fn add(setting: &Setting<'_>, runs: &mut [Equations<'_>]) -> bool {
-    let found: Vec<(Vec<LineExcess>, Vec<Vec<f64>>)> = runs.par_iter().map(|run| excess(setting, run)).collect();
+    let found: Vec<(Vec<LineExcess>, Vec<Vec<f64>>)> =
+        runs.par_iter().map(|run| excess(setting, run)).collect();
     let square = solve(found.iter().map(|f| f.0.as_slice()));
     let mut any = false;
     for (run, (lines, powers)) in runs.iter_mut().zip(&found) {
         let own = solve(std::iter::once(lines.as_slice()));
-        let conspicuous = Sums::of(lines, own).square() > square && Sums::of(lines, square).beyond(square) > OWN;
+        let conspicuous =
+            Sums::of(lines, own).square() > square && Sums::of(lines, square).beyond(square) > OWN;
         let here = if conspicuous { own } else { square };
         run.doubt = powers.iter().map(|line| line.iter().map(|p| here * p).collect()).collect();
         any |= here > 0.0;

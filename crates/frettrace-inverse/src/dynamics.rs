@@ -111,7 +111,8 @@ impl Dynamics {
             outputs.iter().flat_map(row).collect()
         };
         let residual = table(&|o, i| model.residual(o, i));
-        let doubtful = table(&|o, i| model.residual(o, i) + beyond.iter().map(|b| b.between(o, i)).sum::<f64>());
+        let doubtful =
+            table(&|o, i| model.residual(o, i) + beyond.iter().map(|b| b.between(o, i)).sum::<f64>());
         Self {
             doubtful,
             sensors: rig.sensors.len(),

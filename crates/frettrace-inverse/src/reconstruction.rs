@@ -98,10 +98,10 @@ pub fn reconstruct(
     }
     let setting = Setting { splines: options.splines, ..setting(rig, &structure, &dynamics) };
     let mut findings = findings::of_channels(rig, runs);
-    findings.extend(
-        loudest(&lines)
-            .and_then(|run| findings::of_balance(&setting, &Equations::new(&lines[run], loads[run].clone()))),
-    );
+    findings
+        .extend(loudest(&lines).and_then(|run| {
+            findings::of_balance(&setting, &Equations::new(&lines[run], loads[run].clone()))
+        }));
     let balances: Vec<RunBalance> = equations
         .par_iter()
         .zip(runs)

@@ -1,6 +1,7 @@
 //! Uncertainty is a promise: over many rigs of other sensors, noise, levels and modes that are off as much as declared,
-//! the truth lies inside the stated band. Over 200 rigs the bands of 95 % hold 85 % of the samples of the friction force,
-//! 84 % of the slip and 82 % of its velocity: they are too narrow by a third. The target, 90 to 98 %, is not met yet.
+//! the truth lies inside the stated band in 90 to 98 % of the samples. The contact of these rigs yields exactly as beam theory
+//! says, so that slip, whose band allows for contacts that do not, is inside nearly always; the validation case
+//! `verify_reconstruction_bands` draws the contact's compliance too.
 #![allow(clippy::unwrap_used)] // helpers of tests may fail as tests do
 
 mod oracle;
@@ -11,7 +12,7 @@ use rand::SeedableRng;
 use rand_distr::Distribution;
 use std::f64::consts::TAU;
 
-const RIGS: u64 = 40;
+const RIGS: u64 = 24;
 
 /// Share of samples inside the band, means removed.
 fn inside(found: &Channel, truth: &[f64]) -> f64 {
@@ -56,6 +57,7 @@ fn truth_lies_inside_the_stated_band() {
     let all: Vec<[f64; 3]> = (0..RIGS).map(one).collect();
     let mean = |c: usize| all.iter().map(|r| r[c]).sum::<f64>() / RIGS as f64;
     let means = [mean(0), mean(1), mean(2)];
-    // What is reached (see above), less three standard deviations of the mean of 40 rigs that spread by some 0.2.
-    assert!(means.iter().all(|m| (0.72..=0.99).contains(m)), "friction, slip, velocity: {means:?}");
+    // The mean of 24 rigs that spread by 0.1 scatters by 0.02.
+    assert!((0.88..=0.99).contains(&means[0]), "friction, slip, velocity: {means:?}");
+    assert!(means[1..].iter().all(|m| *m > 0.95), "friction, slip, velocity: {means:?}");
 }

@@ -70,9 +70,8 @@ impl Outputs<'_> {
         let normal = own(Load::NormalDeviation) - end * self.setting.normal_stiffness;
         let mut outputs = vec![own(Load::Friction), slip, normal, own(Load::SecondSupport)];
         let inertia = -self.line.omega().powi(2);
-        outputs.extend(
-            (0..sensors).map(|s| sum(&|load| self.line.acceleration(s, load)) + moved(s) * inertia),
-        );
+        outputs
+            .extend((0..sensors).map(|s| sum(&|load| self.line.acceleration(s, load)) + moved(s) * inertia));
         outputs
     }
 

@@ -28,11 +28,7 @@ impl Channel {
     /// Noise makes independent errors of the lines, without preferred phase: their variance `½ Σ_h E|ε_h|²` is the same at all
     /// times. Errors that lines share, `g_p(t)`, add `Σ_p g_p(t)²`. An error of the base frequency turns the signal about the
     /// middle of the record: `δx(t) = δΩ/Ω · (t − T/2) ẋ(t)`.
-    pub(crate) fn from_harmonics(
-        harmonics: &Harmonics,
-        shared: &[Vec<Complex64>],
-        times: &Times,
-    ) -> Self {
+    pub(crate) fn from_harmonics(harmonics: &Harmonics, shared: &[Vec<Complex64>], times: &Times) -> Self {
         let Times { rate, samples, frequency_std } = *times;
         let total = 0.5 * harmonics.variance.iter().sum::<f64>();
         let (variance, breathing) = split(total, shared);
