@@ -1,8 +1,11 @@
 //! The list of cases: verification first.
 
+pub mod compare_splines;
 mod measured_contacts;
 mod verify_beam_modes;
 mod verify_friction_loops;
+mod verify_memory_equation;
+pub mod verify_mode_hypotheses;
 pub mod verify_reconstruction_bands;
 
 use crate::case::Case;
@@ -11,7 +14,10 @@ use crate::case::Case;
 pub const ALL: &[Case] = &[
     verify_beam_modes::CASE,
     verify_friction_loops::CASE,
+    verify_memory_equation::CASE,
+    verify_mode_hypotheses::CASE,
     verify_reconstruction_bands::CASE,
+    compare_splines::CASE,
     measured_contacts::FRICTION_DAMPER,
     measured_contacts::TRIBOMETER,
     measured_contacts::PISTON_SEALS,

@@ -1,5 +1,6 @@
 //! Runs all cases, writes `REPORT.md`, compares with `baseline.csv`; `--accept` stores what was found; `bands N` prints the table
-//! of the reconstruction's bands over N rigs instead.
+//! of the reconstruction's bands over N rigs instead, `hypotheses` that of the modes, `splines` that of
+//! splines and forms.
 #![expect(clippy::print_stdout, reason = "the table is the answer")]
 
 use std::{fs, path::Path, process::ExitCode};
@@ -11,9 +12,17 @@ use validation::{
 
 fn main() -> anyhow::Result<ExitCode> {
     let mut words = std::env::args().skip(1);
-    if words.next().as_deref() == Some("bands") {
-        let rigs = words.next().map_or(Ok(200), |number| number.parse())?;
-        print!("{}", cases::verify_reconstruction_bands::table(rigs)?);
+    let table = match words.next().as_deref() {
+        Some("bands") => {
+            let rigs = words.next().map_or(Ok(200), |number| number.parse())?;
+            Some(cases::verify_reconstruction_bands::table(rigs)?)
+        }
+        Some("hypotheses") => Some(cases::verify_mode_hypotheses::table()?),
+        Some("splines") => Some(cases::compare_splines::table()?),
+        _ => None,
+    };
+    if let Some(table) = table {
+        print!("{table}");
         return Ok(ExitCode::SUCCESS);
     }
     let accept = std::env::args().any(|argument| argument == "--accept");

@@ -4,6 +4,7 @@ pub mod accelerations;
 mod error;
 pub mod hb;
 pub mod march;
+pub mod memory;
 pub mod simulate;
 
 pub use error::ForwardError;

@@ -132,10 +132,21 @@ impl Setting<'_> {
 
     /// Balance with the regularisation: each force of each line has a prior variance drawn from the spectrum itself.
     pub(crate) fn balance(&self, run: &Equations<'_>) -> RunBalance {
-        let (_, powers) = self.free(run);
-        let residual = self.residual(&Equations::new(run.lines, run.loads.clone()));
+        let (residual, plain) = self.free(&Equations::new(run.lines, run.loads.clone()));
+        let powers = if run.doubt.is_empty() { plain.clone() } else { self.free(run).1 };
         let stride = 2 * run.lines.subharmonic_order;
-        let priors: Vec<Vec<f64>> = powers.iter().map(|p| prior::variances(p, stride)).collect();
+        // A structure in doubt widens the bands; what the noise does not hide is not drawn towards zero for it.
+        let widened = |(prior, ((_, doubted), (_, noise))): (f64, (&(Complex64, f64), &(Complex64, f64)))| {
+            if *noise > 0.0 && noise.is_finite() { prior * doubted / noise } else { prior }
+        };
+        let priors: Vec<Vec<f64>> = plain
+            .iter()
+            .zip(&powers)
+            .map(|(plain, powers)| {
+                let prior = prior::variances(plain, stride);
+                prior.into_iter().zip(powers.iter().zip(plain)).map(widened).collect()
+            })
+            .collect();
         let smooth = if self.splines { smoothed(run, &powers[0]) } else { None };
         let roots = self.structure.roots();
         let mut table = Table::new(run, self.dynamics.sensors(), roots.len() + 1);

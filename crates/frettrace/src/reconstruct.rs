@@ -91,7 +91,7 @@ pub fn reconstruct(
 /// [`StudyError`] where the beam or its support is out of range.
 pub fn rig(measurement: &Measurement) -> Result<Rig, StudyError> {
     let beam = uniform_beam(&measurement.beam);
-    let stiffness = normal_stiffness(measurement, &beam);
+    let stiffness = told_apart(measurement.support.normal_stiffness, &beam);
     let structure = modal_model(measurement, &beam, stiffness)?;
     let noise = measurement.sensors.noise_std.as_ref();
     let sensors = measurement.sensors.position.iter().enumerate();
@@ -131,10 +131,9 @@ fn uniform_beam(beam: &file::Beam) -> UniformBeam {
     }
 }
 
-fn normal_stiffness(measurement: &Measurement, beam: &UniformBeam) -> f64 {
-    let declared = measurement.support.normal_stiffness;
-    let stiffest = PINNED * beam.bending_stiffness / beam.length.powi(3);
-    if declared.is_finite() { declared } else { stiffest }
+/// A support's stiffness (N/m), finite so that its reaction can be told from its motion.
+pub(crate) fn told_apart(stiffness: f64, beam: &UniformBeam) -> f64 {
+    if stiffness.is_finite() { stiffness } else { PINNED * beam.bending_stiffness / beam.length.powi(3) }
 }
 
 fn modal_model(

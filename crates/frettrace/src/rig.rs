@@ -150,7 +150,7 @@ pub struct RigSupport {
     pub slip: RigSlip,
     /// Lever arm (m), for rotation.
     pub lever_arm_m: Option<f64>,
-    /// Stiffness of the support spring (N/m), for rotation.
+    /// Stiffness of the support spring (N/m), for rotation; `inf` is the pinned end.
     pub normal_stiffness_n_per_m: Option<f64>,
     /// The declared friction law.
     pub law: String,

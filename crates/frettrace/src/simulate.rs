@@ -16,6 +16,7 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
 
+use crate::reconstruct::told_apart;
 use crate::rig::{Effect, Rig, RigRuns, RigSlip};
 use crate::{Progress, StudyError};
 
@@ -72,7 +73,7 @@ fn beam(rig: &Rig) -> UniformBeam {
 fn boundary(rig: &Rig) -> Boundary {
     Boundary {
         clamp_rotational_stiffness: rig.clamp.rotational_stiffness_n_m_per_rad,
-        support_stiffness: rig.support.normal_stiffness_n_per_m.unwrap_or(0.0),
+        support_stiffness: told_apart(rig.support.normal_stiffness_n_per_m.unwrap_or(0.0), &beam(rig)),
         support_rotational_stiffness: 0.0,
     }
 }

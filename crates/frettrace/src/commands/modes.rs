@@ -4,17 +4,23 @@ use super::Session;
 use clap::Args;
 use frettrace::hypotheses::{Level, hypotheses};
 use frettrace::modes::{Mode, modes};
-use frettrace::report::words::percent;
+use frettrace::report::{self, chart::Ink, words::percent};
+use frettrace::store;
 use serde::Serialize;
 use std::path::PathBuf;
 
 /// Modes of the declared beam beside the measured ones, and how well fixed, real and harmonic-balance modes describe
 /// the motion at each level
 #[derive(Args, Debug)]
-#[command(after_help = "Examples:\n  frettrace modes rig.h5\n  frettrace modes rig.h5 --json")]
+#[command(
+    after_help = "Examples:\n  frettrace modes rig.h5\n  frettrace modes rig.h5 --plots figures\n  frettrace modes rig.h5 --json"
+)]
 pub struct Arguments {
     /// Measurement file
     file: PathBuf,
+    /// Folder for plots against level, for each frequency, preload and lubrication; made where it is missing
+    #[arg(short, long)]
+    plots: Option<PathBuf>,
 }
 
 #[derive(Serialize)]
@@ -26,6 +32,12 @@ struct Answer {
 pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
     let measurement = frettrace_measurement::read_measurement(&arguments.file)?;
     let levels = hypotheses(&measurement, &session.progress)?;
+    if let Some(folder) = &arguments.plots {
+        store::make_folder(folder)?;
+        for figure in report::levels::figures(&levels, Ink::File) {
+            store::write_text(&folder.join(figure.name).with_extension("svg"), &figure.svg)?;
+        }
+    }
     let found = Answer { modes: modes(&measurement)?, levels };
     let head = "mode  declared [Hz]  measured [Hz]  std [Hz]  difference  damping\n";
     let text = head.to_owned()

@@ -2,6 +2,7 @@
 
 pub mod chart;
 mod figures;
+pub mod levels;
 mod page;
 pub mod responses;
 pub mod signals;

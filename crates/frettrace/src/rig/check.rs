@@ -79,10 +79,10 @@ fn support(rig: &Rig) -> Checked {
                 .lever_arm_m
                 .ok_or_else(|| missing("lever_arm_m", "1e-5 to 1 for slip = \"rotation\""))?;
             within("support.lever_arm_m", arm, [1e-5, 1.0])?;
-            let stiffness = support
-                .normal_stiffness_n_per_m
-                .ok_or_else(|| missing("normal_stiffness_n_per_m", "1 to 1e12 for slip = \"rotation\""))?;
-            within("support.normal_stiffness_n_per_m", stiffness, STIFFNESS)
+            let stiffness = support.normal_stiffness_n_per_m.ok_or_else(|| {
+                missing("normal_stiffness_n_per_m", "1 to inf (pinned) for slip = \"rotation\"")
+            })?;
+            within("support.normal_stiffness_n_per_m", stiffness, [1.0, f64::INFINITY])
         }
         RigSlip::Transverse => within(
             "support.normal_stiffness_n_per_m",

@@ -76,6 +76,20 @@ fn bare_mistakes_are_refused_in_one_line() {
     }
 }
 
+/// A pinned end is a support of infinite stiffness; it is marched as a spring so stiff that its frequencies are the pinned
+/// beam's to a part in a thousand, and has a reaction.
+#[test]
+fn a_pinned_end_is_allowed() {
+    let rig =
+        parse(&RIG.replace("normal_stiffness_n_per_m = 5.0e6", "normal_stiffness_n_per_m = inf")).unwrap();
+    assert_eq!(rig.support.normal_stiffness_n_per_m, Some(f64::INFINITY));
+    let beam = frettrace_beam::UniformBeam { length: 0.5, bending_stiffness: 100.0, mass_per_length: 1.0 };
+    let stiff = frettrace_beam::Boundary::spring(crate::reconstruct::told_apart(f64::INFINITY, &beam));
+    let first = |boundary| frettrace_beam::mode_shapes(&beam, &boundary, 1).unwrap()[0].natural_frequency();
+    let (sprung, pinned) = (first(stiff), first(frettrace_beam::Boundary::pinned()));
+    assert!((sprung / pinned - 1.0).abs() < 1e-3, "{sprung} {pinned}");
+}
+
 #[test]
 fn effects_are_read_by_id_with_their_own_keys() {
     let with = |effect: &str| parse(&format!("{RIG}\n[[effect]]\n{effect}"));
