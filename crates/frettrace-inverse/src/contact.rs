@@ -135,17 +135,10 @@ impl Setting<'_> {
         let (residual, plain) = self.free(&Equations::new(run.lines, run.loads.clone()));
         let powers = if run.doubt.is_empty() { plain.clone() } else { self.free(run).1 };
         let stride = 2 * run.lines.subharmonic_order;
-        // A structure in doubt widens the bands; what the noise does not hide is not drawn towards zero for it.
-        let widened = |(prior, ((_, doubted), (_, noise))): (f64, (&(Complex64, f64), &(Complex64, f64)))| {
-            if *noise > 0.0 && noise.is_finite() { prior * doubted / noise } else { prior }
-        };
         let priors: Vec<Vec<f64>> = plain
             .iter()
             .zip(&powers)
-            .map(|(plain, powers)| {
-                let prior = prior::variances(plain, stride);
-                prior.into_iter().zip(powers.iter().zip(plain)).map(widened).collect()
-            })
+            .map(|(plain, doubted)| prior::widened(plain, doubted, stride))
             .collect();
         let smooth = if self.splines { smoothed(run, &powers[0]) } else { None };
         let roots = self.structure.roots();

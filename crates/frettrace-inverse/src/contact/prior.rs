@@ -30,6 +30,17 @@ pub(super) fn variances(found: &[(Complex64, f64)], stride: usize) -> Vec<f64> {
     prior
 }
 
+/// The prior of a structure in doubt: as wide, against the variances `doubted` that it makes, as the prior of the `plain` balance
+/// against the noise. A doubt widens bands; what the noise does not hide is not drawn towards zero for it.
+pub(super) fn widened(plain: &[(Complex64, f64)], doubted: &[(Complex64, f64)], stride: usize) -> Vec<f64> {
+    let priors = variances(plain, stride);
+    let scale = |(plain, doubted): (&(Complex64, f64), &(Complex64, f64))| {
+        let known = plain.1 > 0.0 && plain.1.is_finite() && doubted.1.is_finite();
+        if known { doubted.1 / plain.1 } else { 1.0 }
+    };
+    priors.iter().zip(plain.iter().zip(doubted)).map(|(prior, pair)| prior * scale(pair)).collect()
+}
+
 /// Lines that were pooled.
 #[derive(Clone, Copy)]
 struct Pool {
