@@ -9,3 +9,4 @@ pub mod baseline;
 pub mod case;
 pub mod cases;
 pub mod report;
+pub mod sweep;

@@ -1,31 +1,91 @@
-//! Runs all cases, writes `REPORT.md`, compares with `baseline.csv`; `--accept` stores what was found; `bands N` prints the table
-//! of the reconstruction's bands over N rigs instead, `hypotheses` that of the modes, `splines` that of
-//! splines and forms.
+//! Runs all cases, writes `REPORT.md`, compares with `baseline.csv`; or prints one of the large tables.
 #![expect(clippy::print_stdout, reason = "the table is the answer")]
 
-use std::{fs, path::Path, process::ExitCode};
+use clap::{Args, Parser, Subcommand};
+use std::path::{Path, PathBuf};
+use std::{fs, process::ExitCode};
+use validation::sweep::{self, coverage, judged::judge, plan, tables};
 use validation::{
     baseline,
     case::{Outcome, Row},
     cases, report,
 };
 
+/// How far to trust frettrace: all cases, REPORT.md and the comparison with the stored results
+#[derive(Parser, Debug)]
+#[command(args_conflicts_with_subcommands = true)]
+struct Arguments {
+    /// Store what is found as the new baseline
+    #[arg(long)]
+    accept: bool,
+    #[command(subcommand)]
+    table: Option<Table>,
+}
+
+#[derive(Subcommand, Debug)]
+enum Table {
+    /// The bands of the reconstruction over rigs
+    Bands {
+        /// Number of rigs
+        #[arg(default_value_t = 200)]
+        rigs: usize,
+    },
+    /// The hypotheses of the modes
+    Hypotheses,
+    /// Splines and forms of the reconstruction
+    Splines,
+    /// Simulated rigs with a known effect through `explain`: confusion, false alarms, detection limit
+    Sweep(Extent),
+    /// Simulated clean rigs through `reconstruct` and `identify`: how often the bands hold the truth
+    Coverage(Extent),
+}
+
+/// Which sets, and where they go.
+#[derive(Args, Debug)]
+struct Extent {
+    /// File with a line of JSON for every finished set; what is in it already is not run again
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Everything is drawn from this
+    #[arg(long, default_value_t = sweep::SEED)]
+    seed: u64,
+    /// Clean sets of the plan
+    #[arg(long, default_value_t = 200)]
+    clean: usize,
+    /// Only the first sets of the plan, which is in drawn order
+    #[arg(long, default_value_t = usize::MAX)]
+    first: usize,
+}
+
 fn main() -> anyhow::Result<ExitCode> {
-    let mut words = std::env::args().skip(1);
-    let table = match words.next().as_deref() {
-        Some("bands") => {
-            let rigs = words.next().map_or(Ok(200), |number| number.parse())?;
-            Some(cases::verify_reconstruction_bands::table(rigs)?)
+    let arguments = Arguments::parse();
+    let Some(table) = arguments.table else { return run_cases(arguments.accept) };
+    print!("{}", run_table(&table)?);
+    Ok(ExitCode::SUCCESS)
+}
+
+fn run_table(table: &Table) -> anyhow::Result<String> {
+    match table {
+        Table::Bands { rigs } => cases::verify_reconstruction_bands::table(*rigs),
+        Table::Hypotheses => cases::verify_mode_hypotheses::table(),
+        Table::Splines => cases::compare_splines::table(),
+        Table::Sweep(extent) => {
+            let mut sets = plan::plan(extent.seed, extent.clean);
+            sets.truncate(extent.first);
+            let done = sweep::resume(&extent.output, &sets, |set| &set.name, judge)?;
+            Ok(tables::markdown(&format!("Sweep of explain, seed {}", extent.seed), &done))
         }
-        Some("hypotheses") => Some(cases::verify_mode_hypotheses::table()?),
-        Some("splines") => Some(cases::compare_splines::table()?),
-        _ => None,
-    };
-    if let Some(table) = table {
-        print!("{table}");
-        return Ok(ExitCode::SUCCESS);
+        Table::Coverage(extent) => {
+            let mut sets = plan::plan(extent.seed, extent.clean);
+            sets.retain(|set| set.formula.is_none());
+            sets.truncate(extent.first);
+            let done = sweep::resume(&extent.output, &sets, |set| &set.name, coverage::cover)?;
+            Ok(coverage::markdown(&done))
+        }
     }
-    let accept = std::env::args().any(|argument| argument == "--accept");
+}
+
+fn run_cases(accept: bool) -> anyhow::Result<ExitCode> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let (mut results, mut skipped) = (Vec::new(), Vec::new());
     for case in cases::ALL {

@@ -87,6 +87,14 @@ pub enum StudyError {
     /// The forward problem cannot be tried.
     #[error(transparent)]
     Forward(#[from] frettrace_forward::ForwardError),
+    /// Effects of the contact whose formulas cannot stand together.
+    #[error(
+        "effect {effect} cannot act beside an effect of the contact in another formula; leave one of them out"
+    )]
+    MixedFormulas {
+        /// The effect's id.
+        effect: &'static str,
+    },
     /// An effect that the declared law cannot carry.
     #[error("effect {effect} needs one of the laws dahl, lugre, hybrid; the rig declares {law}")]
     EffectOnLaw {

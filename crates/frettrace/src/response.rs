@@ -194,10 +194,14 @@ fn wanted(rig: &Rig, options: &ResponseOptions) -> Wanted {
 
 /// Effects that a periodic response at the excitation's frequency, with the linear support spring, does not carry.
 fn refuse(rig: &Rig, simulated: &SimulatedRig) -> Result<(), StudyError> {
-    let normal = simulated.normal.lifts_off || simulated.normal.cubic != 0.0;
+    let normal = simulated.normal;
+    let normal = normal.lifts_off || normal.cubic != 0.0 || normal.sharpness != 0.0;
+    let foreign = matches!(simulated.law, SimulatedLaw::Foreign(_));
     let carried = |id: &str| {
-        !(id.starts_with("excitation.") || id == "structure.frequency-drift")
+        let place = id.trim_start_matches("unlisted:");
+        !(place.starts_with("excitation") || id == "structure.frequency-drift")
             && !(normal && (id == "contact.lift-off" || id == "contact.normal-stiffening"))
+            && !(foreign && (place.starts_with("friction") || place.starts_with("contact")))
     };
     match rig.effects.iter().position(|effect| !carried(effect.id())) {
         None => Ok(()),
@@ -206,7 +210,8 @@ fn refuse(rig: &Rig, simulated: &SimulatedRig) -> Result<(), StudyError> {
             place: format!("effect {}", index + 1),
             found: rig.effects[index].id().to_owned(),
             allowed:
-                "effects of friction, structure and measurement: response follows one period of the force"
+                "effects of friction (in their usual formulas), structure and measurement: response follows one \
+                 period of the force"
                     .to_owned(),
         }),
     }
@@ -304,6 +309,14 @@ fn law(law: &SimulatedLaw, sigma0: f64) -> Box<dyn Element> {
             values: vec![sigma0, 0.0, law.v_s, law.sigma2, law.mu_s, law.mu_k, law.v_s, law.delta],
         }),
         SimulatedLaw::Declared(model) => Box::new(Declared { law: model.law(), values: model.values() }),
+        // Effects in other formulas are refused before; what is left of them here is the declared bristle.
+        SimulatedLaw::Foreign(law) => {
+            let bristle = law.bristle;
+            Box::new(Declared {
+                law: Law::Dahl,
+                values: vec![bristle.sigma0, bristle.mu_k, bristle.exponent],
+            })
+        }
     }
 }
 

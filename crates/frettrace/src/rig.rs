@@ -14,6 +14,9 @@
 //! | `[sampling]` | `rate_hz`, `samples` |
 //! | `[[run]]` | `frequency_hz`, `preload_n`, `force_amplitude_n` (list: one run each), `lubricated` |
 //! | `[[effect]]` | `id` and the keys of [`Effect`]: what the file does not declare |
+//!
+//! Most effects have a second formula, `friction.stribeck/rational`: another laboratory's. It goes by the same name in results.
+//! Ids that begin with `unlisted:` are effects without a name, to test that they are not given one.
 
 mod check;
 mod effect;

@@ -1,5 +1,6 @@
 //! A rig to a measurement file and what only the simulation knows.
 
+mod foreign;
 mod law;
 
 use std::f64::consts::TAU;
@@ -90,6 +91,9 @@ fn declared_modes(rig: &Rig, boundary: &Boundary, count: usize) -> Result<[Vec<f
     Ok([model.natural_frequency()[..count].to_vec(), model.damping_ratio()[..count].to_vec()])
 }
 
+/// Shape of a modulation that is nearly a square wave: flat over two thirds of the period.
+const SQUARENESS: f64 = 3.0;
+
 /// The rig with all its effects.
 pub(crate) fn simulated_rig(rig: &Rig) -> Result<SimulatedRig, StudyError> {
     let count = rig.modes.declared.max(20);
@@ -99,7 +103,8 @@ pub(crate) fn simulated_rig(rig: &Rig) -> Result<SimulatedRig, StudyError> {
         noise_correlation: rig.sensors.noise_correlation,
         ..Chain::default()
     };
-    let sensor = |&position: &f64| forward::SimulatedSensor { position, chain: chain.clone() };
+    let sensor =
+        |&position: &f64| forward::SimulatedSensor { position, chain: chain.clone(), cross_talk: None };
     let oversampling = (FINE_RATE / rig.sampling.rate_hz).ceil().max(1.0) as usize;
     let mut simulated = SimulatedRig {
         beam: beam(rig),
@@ -120,6 +125,8 @@ pub(crate) fn simulated_rig(rig: &Rig) -> Result<SimulatedRig, StudyError> {
         attached: Vec::new(),
         second_support: None,
         base: None,
+        exciter_lever: 0.0,
+        second_force: None,
         sampling: forward::Sampling {
             rate: rig.sampling.rate_hz,
             samples: rig.sampling.samples,
@@ -135,6 +142,8 @@ pub(crate) fn simulated_rig(rig: &Rig) -> Result<SimulatedRig, StudyError> {
     for effect in &rig.effects {
         structure_effect(rig, effect, &mut simulated)?;
         channel_effect(effect, &mut simulated);
+        foreign::structure_effect(effect, &mut simulated);
+        foreign::channel_effect(effect, &mut simulated);
     }
     Ok(simulated)
 }
@@ -209,8 +218,12 @@ fn channel_effect(effect: &Effect, simulated: &mut SimulatedRig) {
         Effect::Gain { factor, .. } => chain.gain = factor,
         Effect::Delay { delay_s, .. } => chain.delay = delay_s,
         Effect::Hum { amplitude_m_per_s2, frequency_hz, .. } => {
-            chain.hum =
-                Some(forward::Hum { amplitude: amplitude_m_per_s2, frequency: frequency_hz, phase: 0.0 });
+            chain.hum = Some(forward::Hum {
+                amplitude: amplitude_m_per_s2,
+                frequency: frequency_hz,
+                phase: 0.0,
+                third: 0.0,
+            });
         }
         Effect::Clipping { limit_m_per_s2, .. } => chain.limit = limit_m_per_s2,
         Effect::SensorPosition { shift_m, .. } => sensor.position += shift_m,
@@ -245,8 +258,20 @@ fn simulated_runs(rig: &Rig) -> Vec<(&RigRuns, SimulatedRun)> {
                     run.frequency_factor += relative_change * progress
                 }
                 Effect::PreloadModulation { share, frequency_ratio, phase_rad } => {
-                    run.modulation =
-                        Some(Modulation { share, omega: frequency_ratio * omega, phase: phase_rad });
+                    run.modulation = Some(Modulation {
+                        share,
+                        shape: 0.0,
+                        omega: frequency_ratio * omega,
+                        phase: phase_rad,
+                    });
+                }
+                Effect::SquareModulation { share, frequency_ratio, phase_rad } => {
+                    let omega = frequency_ratio * omega;
+                    run.modulation = Some(Modulation { share, shape: SQUARENESS, omega, phase: phase_rad });
+                }
+                Effect::SettlingDrift { relative_change } => {
+                    run.frequency_factor +=
+                        relative_change * (-4.0 * progress).exp_m1() / (-4.0_f64).exp_m1();
                 }
                 _ => {}
             }

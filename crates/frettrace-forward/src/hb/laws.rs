@@ -141,6 +141,20 @@ impl<T: Scalar> ContactLaw<T> for LocalElement {
             Characteristic::Dashpot(c) => v * c,
             Characteristic::QuadraticDashpot(c) => v * v * (c * v.re().signum()),
             Characteristic::Stop { stiffness, gap } => positive(x - gap) * stiffness,
+            Characteristic::YieldingCubicSpring { stiffness, scale } => {
+                let ratio = x / scale;
+                x * x * x * stiffness / (ratio * ratio + 1.0)
+            }
+            // The power's derivative at rest is undefined below 1; from 1 on the force and its slope are 0 there.
+            Characteristic::PowerDashpot { damping, power } => {
+                let sense = v.re().signum();
+                if v.re() == 0.0 { T::zero() } else { (v * sense).powf(power) * (damping * sense) }
+            }
+            Characteristic::RoundStop { stiffness, gap } => {
+                let pressed = positive(x - gap);
+                if pressed.re() > 0.0 { pressed.powf(1.5) * stiffness } else { pressed }
+            }
+            Characteristic::EvenSpring(k) => x * x * k,
             Characteristic::SmoothCoulomb { level, velocity } => (v / velocity).tanh() * level,
         };
         (state, [force, T::zero()])

@@ -40,6 +40,8 @@ pub struct Normal {
     pub stiffness: f64,
     /// Cubic stiffness (N/m³), not in the structure.
     pub cubic: f64,
+    /// Sharpness `s` of an exponential contact: `(P/s)(e^{−s k w/P} − 1)` in place of `−k w`; 0 is the straight spring.
+    pub sharpness: f64,
     /// Whether the contact can open; if not the normal force may turn negative (laws then use 0) and the spring pulls.
     pub lifts_off: bool,
     /// Modulation of the preload.
@@ -51,6 +53,8 @@ pub struct Normal {
 pub struct Modulation {
     /// Relative size `m`.
     pub share: f64,
+    /// Shape `s`: `tanh(s cos)/tanh s` in place of the cosine; 0 is the cosine itself.
+    pub shape: f64,
     /// Angular frequency (rad/s).
     pub omega: f64,
     /// Phase (rad).
@@ -61,7 +65,8 @@ impl Modulation {
     /// Its value at a time (s).
     #[must_use]
     pub fn at(&self, time: f64) -> f64 {
-        self.share * (self.omega * time + self.phase).cos()
+        let wave = (self.omega * time + self.phase).cos();
+        self.share * if self.shape > 0.0 { (self.shape * wave).tanh() / self.shape.tanh() } else { wave }
     }
 }
 
@@ -69,7 +74,15 @@ impl Normal {
     /// A normal force that stays at the preload.
     #[must_use]
     pub fn constant(preload: f64) -> Self {
-        Self { preload, port: None, stiffness: 0.0, cubic: 0.0, lifts_off: false, modulation: None }
+        Self {
+            preload,
+            port: None,
+            stiffness: 0.0,
+            cubic: 0.0,
+            sharpness: 0.0,
+            lifts_off: false,
+            modulation: None,
+        }
     }
 
     /// Preload at a time (N).
@@ -81,9 +94,15 @@ impl Normal {
     /// Normal force (N) at a displacement.
     #[must_use]
     pub fn force(&self, displacement: f64, time: f64) -> f64 {
-        let linear =
-            self.preload_at(time) - self.stiffness * displacement - self.cubic * displacement.powi(3);
-        if self.lifts_off { linear.max(0.0) } else { linear }
+        let preload = self.preload_at(time);
+        let straight = -self.stiffness * displacement;
+        let spring = if self.sharpness > 0.0 {
+            (self.sharpness * straight / preload).exp_m1() * preload / self.sharpness
+        } else {
+            straight
+        };
+        let force = preload + spring - self.cubic * displacement.powi(3);
+        if self.lifts_off { force.max(0.0) } else { force }
     }
 
     /// Load on the structure at the normal port beside its linear spring: `N − (P − k w)`.
@@ -98,7 +117,7 @@ impl Normal {
     /// Whether there is any deviation.
     #[must_use]
     pub fn deviates(&self) -> bool {
-        self.port.is_some() && (self.lifts_off || self.cubic != 0.0)
+        self.port.is_some() && (self.lifts_off || self.cubic != 0.0 || self.sharpness > 0.0)
     }
 }
 
@@ -129,6 +148,29 @@ pub enum Characteristic {
         /// Clearance (m); negative where the stop is pressed on at rest.
         gap: f64,
     },
+    /// `−k₃ y³/(1 + (y/d)²)`: a cubic spring that yields beyond its scale.
+    YieldingCubicSpring {
+        /// Cubic stiffness at small motion (N/m³).
+        stiffness: f64,
+        /// Scale `d` (m).
+        scale: f64,
+    },
+    /// `−c |ẏ|^{p−1} ẏ`.
+    PowerDashpot {
+        /// Coefficient (N at 1 m/s).
+        damping: f64,
+        /// Power.
+        power: f64,
+    },
+    /// `−k (y − gap)^{3/2}` where `y > gap`: a round stop.
+    RoundStop {
+        /// Stiffness (N/m^{3/2}).
+        stiffness: f64,
+        /// Clearance (m).
+        gap: f64,
+    },
+    /// `−k₂ y²`: a restoring force that does not change sign.
+    EvenSpring(f64),
     /// `−(F_c tanh(v/ε))` with its level (N) and regularisation velocity (m/s): smooth Coulomb friction.
     SmoothCoulomb {
         /// Level (N).
@@ -148,6 +190,12 @@ impl Characteristic {
             Self::Dashpot(damping) => -damping * velocity,
             Self::QuadraticDashpot(damping) => -damping * velocity.abs() * velocity,
             Self::Stop { stiffness, gap } => -stiffness * (displacement - gap).max(0.0),
+            Self::YieldingCubicSpring { stiffness, scale } => {
+                -stiffness * displacement.powi(3) / (1.0 + (displacement / scale).powi(2))
+            }
+            Self::PowerDashpot { damping, power } => -damping * velocity.abs().powf(power).copysign(velocity),
+            Self::RoundStop { stiffness, gap } => -stiffness * (displacement - gap).max(0.0).powf(1.5),
+            Self::EvenSpring(stiffness) => -stiffness * displacement * displacement,
             Self::SmoothCoulomb { level, velocity: scale } => -level * (velocity / scale).tanh(),
         }
     }

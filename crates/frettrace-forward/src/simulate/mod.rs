@@ -6,14 +6,16 @@
 
 mod chain;
 mod filter;
+mod foreign;
 mod record;
 mod rig;
 
-pub use chain::{Chain, Hum};
+pub use chain::{Chain, Distortion, Hum};
+pub use foreign::{Bristle, ForeignLaw, Form};
 pub use record::{SimulatedRecord, simulate};
 pub use rig::{
-    Attached, BaseMotion, NormalContact, Sampling, SimulatedLaw, SimulatedRig, SimulatedRun, SimulatedSensor,
-    Slip,
+    Attached, BaseMotion, CrossTalk, NormalContact, Sampling, SecondForce, SimulatedLaw, SimulatedRig,
+    SimulatedRun, SimulatedSensor, Slip,
 };
 
 #[cfg(test)]

@@ -9,7 +9,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::filter::{LowPass, REACH};
-use super::rig::{Attached, SimulatedLaw, SimulatedRig, SimulatedRun, Slip};
+use super::foreign::ForeignLaw;
+use super::rig::{Attached, CrossTalk, SimulatedLaw, SimulatedRig, SimulatedRun, SimulatedSensor, Slip};
 use crate::ForwardError;
 use crate::march::{
     Assembly, FrictionContact, LocalLoad, March, Normal, Port, SettleOptions, Settling, Structure, settle,
@@ -49,6 +50,7 @@ pub fn simulate(rig: &SimulatedRig, run: &SimulatedRun, index: u64) -> Result<Si
                 Circumstance { preload: run.preload, progress: run.progress, ..Circumstance::default() };
             job.visit(&Circumstantial { law: *law, circumstance })
         }
+        SimulatedLaw::Foreign(law) => job.visit(&ForeignLaw { progress: run.progress, ..*law }),
     }
 }
 
@@ -133,21 +135,27 @@ impl Job<'_> {
         };
         let sensors = self.rig.sensors.iter().map(|sensor| displacement(sensor.position));
         let attached = self.rig.attached.iter().map(|&(position, _)| displacement(position));
+        let moment = Port { dof: Dof::rotation(self.rig.exciter), factor: self.rig.exciter_lever };
+        let second = self.rig.second_force.map(|force| displacement(force.position));
         [displacement(self.rig.exciter), slip, displacement(end)]
             .into_iter()
             .chain(sensors)
             .chain(attached)
+            .chain([moment])
+            .chain(second)
             .collect()
     }
 
     fn assembly<L>(&self, law: L) -> Result<Assembly<L>, ForwardError> {
         let model = self.model()?;
         let mut structure = Structure::from_beam(&model, &self.ports())?;
-        let mut inputs = vec![EXCITER];
+        let first = SENSORS + self.rig.sensors.len();
+        let moment = first + self.rig.attached.len();
+        let mut inputs = vec![EXCITER, moment];
+        inputs.extend(self.rig.second_force.map(|_| moment + 1));
         if self.rig.base.is_some() {
             inputs.push(structure.add_base(&model));
         }
-        let first = SENSORS + self.rig.sensors.len();
         let mut loads = Vec::new();
         for (index, &(_, attached)) in self.rig.attached.iter().enumerate() {
             match attached {
@@ -161,6 +169,7 @@ impl Job<'_> {
             port: matches!(self.rig.slip, Slip::Rotation { .. }).then_some(NORMAL),
             stiffness: self.rig.boundary.support_stiffness,
             cubic: self.rig.normal.cubic,
+            sharpness: self.rig.normal.sharpness,
             lifts_off: self.rig.normal.lifts_off,
             modulation: self.run.modulation,
             ..Normal::constant(self.run.preload)
@@ -173,12 +182,17 @@ impl Job<'_> {
         })
     }
 
-    /// The input loads at a time; returns the acceleration of the base.
+    /// The input loads at a time, in the order of the assembly; returns the acceleration of the base.
     fn known(&self, phase: f64, time: f64, loads: &mut [f64]) -> f64 {
-        loads[0] = self.run.force_amplitude * (self.run.omega * time + phase).sin();
-        let Some(base) = self.rig.base else { return 0.0 };
-        loads[1] = base.acceleration * (base.frequency_ratio * self.run.omega * time + base.phase).cos();
-        loads[1]
+        let angle = self.run.omega * time;
+        loads[0] = self.run.force_amplitude * (angle + phase).sin();
+        loads[1] = loads[0];
+        if let Some(force) = self.rig.second_force {
+            loads[2] = force.amplitude * (force.frequency_ratio * angle + force.phase).cos();
+        }
+        let (Some(base), Some(last)) = (self.rig.base, loads.last_mut()) else { return 0.0 };
+        *last = base.acceleration * (base.frequency_ratio * angle + base.phase).cos();
+        *last
     }
 
     fn settle<L: FrictionLaw<f64>>(&self, march: &mut March<'_, L>, phase: f64) -> Settling {
@@ -260,7 +274,7 @@ impl Job<'_> {
             .iter()
             .zip(&self.rig.sensors)
             .map(|(channel, sensor)| {
-                let motion = second_derivative(channel, &fine.base, self.fine_rate());
+                let motion = self.heard(channel, sensor, fine);
                 let mut signal = record(&motion, sensor.chain.delay);
                 sensor.chain.apply(&mut signal, sampling.rate, random);
                 signal
@@ -280,6 +294,30 @@ impl Job<'_> {
         }
     }
 }
+
+impl Job<'_> {
+    /// What the sensor's chain starts from: its own acceleration, what it hears of another, and its distortion.
+    fn heard(&self, channel: &[f64], sensor: &SimulatedSensor, fine: &Fine) -> Vec<f64> {
+        let mut motion = second_derivative(channel, &fine.base, self.fine_rate());
+        if let Some(CrossTalk { from, share }) = sensor.cross_talk {
+            let other = second_derivative(&fine.displacement[from], &fine.base, self.fine_rate());
+            for (value, other) in motion.iter_mut().zip(other) {
+                *value += share * other;
+            }
+        }
+        if let Some(distortion) = sensor.chain.distortion {
+            // A whole number of periods, over and over, runs a filter in.
+            let period = TAU / self.run.omega * self.fine_rate();
+            let whole = ((motion.len() as f64 / period).floor() * period).round() as usize;
+            let warm_up = motion[..whole.min(motion.len())].repeat(WARM_UP);
+            distortion.apply(&mut motion, self.fine_rate(), &warm_up);
+        }
+        motion
+    }
+}
+
+/// Times that the record is gone through before a filter of a measuring chain counts as settled.
+const WARM_UP: usize = 3;
 
 /// All channels on the fine time base.
 struct Fine {

@@ -5,6 +5,7 @@ use frettrace_friction::FrictionModel;
 use frettrace_friction::effects::ModifiedLaw;
 
 use super::chain::Chain;
+use super::foreign::ForeignLaw;
 use crate::march::{Characteristic, Modulation};
 
 /// A rig with every effect in place; angles in rad, frequencies in rad/s, everything else SI.
@@ -36,6 +37,10 @@ pub struct SimulatedRig {
     pub second_support: Option<usize>,
     /// Motion of the base.
     pub base: Option<BaseMotion>,
+    /// Lever of the moment that the exciter brings in beside its force (m).
+    pub exciter_lever: f64,
+    /// A force that nobody measures.
+    pub second_force: Option<SecondForce>,
     /// Sampling.
     pub sampling: Sampling,
     /// Seed of all noise and phases.
@@ -59,6 +64,8 @@ pub enum Slip {
 pub struct NormalContact {
     /// Cubic stiffness (N/m³).
     pub cubic: f64,
+    /// Sharpness of an exponential stiffening; 0 is none.
+    pub sharpness: f64,
     /// Whether it can open.
     pub lifts_off: bool,
 }
@@ -71,6 +78,8 @@ pub enum SimulatedLaw {
     Declared(FrictionModel),
     /// With effects.
     Modified(ModifiedLaw<f64>),
+    /// With effects in other functional forms.
+    Foreign(ForeignLaw),
 }
 
 /// An accelerometer at its true position.
@@ -80,6 +89,30 @@ pub struct SimulatedSensor {
     pub position: f64,
     /// Its measuring chain.
     pub chain: Chain,
+    /// What it hears of another sensor.
+    pub cross_talk: Option<CrossTalk>,
+}
+
+/// A share of another sensor's signal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CrossTalk {
+    /// Number of the other sensor, from 0.
+    pub from: usize,
+    /// Share of its acceleration.
+    pub share: f64,
+}
+
+/// `F(t) = amplitude · cos(ratio·Ωt + phase)` at a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SecondForce {
+    /// Position (m).
+    pub position: f64,
+    /// Amplitude (N).
+    pub amplitude: f64,
+    /// Frequency over the excitation's.
+    pub frequency_ratio: f64,
+    /// Phase (rad).
+    pub phase: f64,
 }
 
 /// Something fixed to the beam.

@@ -31,11 +31,13 @@ fn rig() -> SimulatedRig {
         law: SimulatedLaw::Declared(model),
         exciter: 0.23,
         sensors: [0.1, 0.31, 0.46]
-            .map(|position| SimulatedSensor { position, chain: Chain::default() })
+            .map(|position| SimulatedSensor { position, chain: Chain::default(), cross_talk: None })
             .to_vec(),
         attached: Vec::new(),
         second_support: None,
         base: None,
+        exciter_lever: 0.0,
+        second_force: None,
         sampling: Sampling { rate: RATE, samples: SAMPLES, oversampling: 16 },
         seed: 7,
     }
@@ -127,7 +129,7 @@ fn a_measuring_chain_does_what_it_says() {
     let chain = Chain {
         gain: 2.0,
         offset: 0.5,
-        hum: Some(Hum { amplitude: 0.25, frequency: RATE / 4.0, phase: 0.0 }),
+        hum: Some(Hum { amplitude: 0.25, frequency: RATE / 4.0, phase: 0.0, third: 0.0 }),
         limit: 2.6,
         dropouts: vec![[0.75, 1.0]],
         ..Chain::default()
@@ -173,7 +175,8 @@ fn effects_of_the_structure_change_the_record() {
     let drifted = SimulatedRun { frequency_factor: 0.99, ..run() };
     assert!(difference(&rig(), &drifted) > 1e-2);
     // The dynamic load is 56 N: below the preload of 70 N, above one of 30 N.
-    let lifting = SimulatedRig { normal: NormalContact { lifts_off: true, cubic: 0.0 }, ..rig() };
+    let lifting =
+        SimulatedRig { normal: NormalContact { lifts_off: true, ..NormalContact::default() }, ..rig() };
     // Both are settled to 1e-8 a period of a motion that forgets 12 % a period.
     assert!(difference(&lifting, &run()) < 1e-6);
     let light = SimulatedRun { preload: 30.0, ..run() };
@@ -199,4 +202,35 @@ fn a_stop_is_reported_as_the_second_support() {
     assert!(low < -1.0, "it is struck: {low}");
     // One-sided but for the ringing of the anti-alias filter at the edges of the contact.
     assert!(high < 0.15 * -low, "it never pulls: {high} {low}");
+}
+
+/// Filters of a chain against their frequency responses `1/(1 + iωτ)` and `iω/(ω_c + iω)`; distortions against their formulas.
+#[test]
+fn distortions_do_what_they_say() {
+    let tone = |count: usize| -> Vec<f64> { (0..count).map(|k| (TAU * k as f64 / 64.0).sin()).collect() };
+    let settled = |distortion: Distortion| {
+        let mut signal = tone(64);
+        distortion.apply(&mut signal, 64.0, &tone(64 * 40));
+        line_of_period(&signal)
+    };
+    let source = line_of_period(&tone(64));
+    let low = source / Complex64::new(1.0, TAU * 0.1);
+    // Samples joined by straight lines: (ωΔt)²/12 of the amplitude.
+    assert!((settled(Distortion::LowPass(0.1)) - low).norm() < 1e-3);
+    let high = source * Complex64::new(0.0, 1.0) / Complex64::new(0.2, 1.0);
+    assert!((settled(Distortion::HighPass(0.2)) - high).norm() < 1e-3);
+    for (distortion, expected) in
+        [(Distortion::Quadratic(0.1), 4.0 * 1.4), (Distortion::SoftLimit(4.0), 4.0 / 2.0_f64.powf(0.125))]
+    {
+        let mut signal = [4.0];
+        distortion.apply(&mut signal, 1.0, &[]);
+        assert!((signal[0] - expected).abs() < 1e-12, "{signal:?}");
+    }
+}
+
+/// Fundamental of one period of samples.
+fn line_of_period(signal: &[f64]) -> Complex64 {
+    let step = TAU / signal.len() as f64;
+    signal.iter().enumerate().map(|(k, x)| Complex64::from_polar(*x, -step * k as f64)).sum::<Complex64>()
+        * (2.0 / signal.len() as f64)
 }

@@ -1,5 +1,7 @@
 //! Ranges of the values of a rig.
 
+mod foreign;
+
 use super::effect::Effect;
 use super::{Rig, RigSlip};
 
@@ -233,7 +235,7 @@ fn ranges_beyond_friction(rig: &Rig, effect: &Effect) -> Vec<(&'static str, f64,
             vec![("start_share", start_share, [0.0, 1.0]), ("length_share", length_share, [0.0, 1.0])]
         }
         Effect::Offset { offset_m_per_s2, .. } => vec![("offset_m_per_s2", offset_m_per_s2, [-1e4, 1e4])],
-        _ => Vec::new(),
+        _ => foreign::ranges(rig, effect),
     }
 }
 

@@ -80,47 +80,133 @@ pub enum Effect {
     Dropout { sensor: usize, start_share: f64, length_share: f64 },
     #[serde(rename = "measurement.offset")]
     Offset { sensor: usize, offset_m_per_s2: f64 },
+    /// The same effects in other formulas: what another laboratory would write.
+    #[serde(rename = "friction.stribeck/rational")]
+    RationalStribeck { mu_s: f64, v_s_m_per_s: f64, delta: f64 },
+    #[serde(rename = "friction.viscous/power")]
+    PowerViscous { force_at_1_m_per_s_n: f64, power: f64 },
+    #[serde(rename = "friction.lag/saturating")]
+    SaturatingLag { time_s: f64, mu_s: f64, v_s_m_per_s: f64, delta: f64 },
+    #[serde(rename = "friction.film/rational")]
+    RationalFilm { loss: f64, rise_time_s: f64, fall_time_s: f64, velocity_m_per_s: f64 },
+    #[serde(rename = "friction.ageing/saturating")]
+    SaturatingAgeing { gain: f64, distance_m: f64, time_s: f64 },
+    #[serde(rename = "friction.asymmetry/smooth")]
+    SmoothAsymmetry { share: f64, velocity_m_per_s: f64 },
+    #[serde(rename = "friction.breakaway/straight")]
+    StraightBreakaway { breakaway: f64 },
+    #[serde(rename = "friction.exponent/power")]
+    PowerBristle { power: f64 },
+    #[serde(rename = "friction.presliding-damping/rational")]
+    RationalDamping { sigma1_s_per_m: f64, v_d_m_per_s: f64 },
+    #[serde(rename = "friction.position/saturating")]
+    SaturatingPosition { share: f64, distance_m: f64 },
+    #[serde(rename = "friction.position-periodic/triangle")]
+    TrianglePosition { share: f64, wavelength_m: f64 },
+    #[serde(rename = "friction.normal-dependence/straight")]
+    StraightNormalDependence { slope: f64, reference_n: f64 },
+    #[serde(rename = "friction.wear/settling")]
+    SettlingWear { relative_change: f64 },
+    #[serde(rename = "contact.normal-stiffening/exponential")]
+    ExponentialStiffening { sharpness: f64 },
+    #[serde(rename = "contact.tangential-stiffness/series")]
+    SeriesSpring { series_stiffness_n_per_m: f64 },
+    #[serde(rename = "contact.tangential-stiffness/parallel")]
+    ParallelSpring { stiffness_n_per_m: f64 },
+    #[serde(rename = "contact.backlash/gradual")]
+    GradualBacklash { half_play_m: f64 },
+    #[serde(rename = "structure.cubic-stiffness/yielding")]
+    YieldingCubic { position_m: f64, stiffness_n_per_m3: f64, scale_m: f64 },
+    #[serde(rename = "structure.quadratic-damping/power")]
+    PowerDamping { position_m: f64, force_at_1_m_per_s_n: f64, power: f64 },
+    #[serde(rename = "structure.second-support/round")]
+    RoundSupport { position_m: f64, stiffness_n_per_m_3_2: f64, gap_m: f64 },
+    #[serde(rename = "structure.second-support/rubbing")]
+    RubbingSupport { position_m: f64, level_n: f64, velocity_m_per_s: f64 },
+    #[serde(rename = "structure.frequency-drift/settling")]
+    SettlingDrift { relative_change: f64 },
+    #[serde(rename = "excitation.preload-modulation/square")]
+    SquareModulation { share: f64, frequency_ratio: f64, phase_rad: f64 },
+    #[serde(rename = "measurement.delay/low-pass")]
+    LowPass { sensor: usize, time_s: f64 },
+    #[serde(rename = "measurement.hum/third-harmonic")]
+    ThirdHarmonicHum { sensor: usize, amplitude_m_per_s2: f64, frequency_hz: f64, third_share: f64 },
+    #[serde(rename = "measurement.clipping/soft")]
+    SoftClipping { sensor: usize, limit_m_per_s2: f64 },
+    #[serde(rename = "measurement.dropout/hold")]
+    HeldDropout { sensor: usize, start_share: f64, length_share: f64 },
+    #[serde(rename = "measurement.offset/drift")]
+    OffsetDrift { sensor: usize, offset_m_per_s2: f64 },
+    /// Effects that have no name in results: the answer must be that something is unexplained, and where.
+    #[serde(rename = "unlisted:contact/speed-square")]
+    SpeedSquare { coefficient_n_s2_per_m2: f64 },
+    #[serde(rename = "unlisted:contact/normal-memory")]
+    NormalMemory { time_s: f64 },
+    #[serde(rename = "unlisted:structure/even-stiffness")]
+    EvenStiffness { position_m: f64, stiffness_n_per_m2: f64 },
+    #[serde(rename = "unlisted:excitation/moment")]
+    ExciterMoment { lever_m: f64 },
+    #[serde(rename = "unlisted:excitation/second-force")]
+    SecondForce { position_m: f64, amplitude_n: f64, frequency_ratio: f64, phase_rad: f64 },
+    #[serde(rename = "unlisted:measurement/quadratic-gain")]
+    QuadraticGain { sensor: usize, coefficient_s2_per_m: f64 },
+    #[serde(rename = "unlisted:measurement/high-pass")]
+    HighPass { sensor: usize, corner_hz: f64 },
+    #[serde(rename = "unlisted:measurement/cross-talk")]
+    CrossTalk { sensor: usize, from: usize, share: f64 },
 }
 
 impl Effect {
-    /// Its id in results.
+    /// Its id in results; `unlisted:` and the place where it has none.
     #[must_use]
     pub fn id(&self) -> &'static str {
         match self {
-            Self::Stribeck { .. } => "friction.stribeck",
-            Self::Viscous { .. } => "friction.viscous",
-            Self::Lag { .. } => "friction.lag",
-            Self::Film { .. } => "friction.film",
-            Self::Ageing { .. } => "friction.ageing",
-            Self::Asymmetry { .. } => "friction.asymmetry",
-            Self::Breakaway { .. } => "friction.breakaway",
-            Self::Exponent { .. } => "friction.exponent",
-            Self::PreslidingDamping { .. } => "friction.presliding-damping",
-            Self::Position { .. } => "friction.position",
-            Self::PositionPeriodic { .. } => "friction.position-periodic",
-            Self::NormalDependence { .. } => "friction.normal-dependence",
-            Self::Wear { .. } => "friction.wear",
+            Self::Stribeck { .. } | Self::RationalStribeck { .. } => "friction.stribeck",
+            Self::Viscous { .. } | Self::PowerViscous { .. } => "friction.viscous",
+            Self::Lag { .. } | Self::SaturatingLag { .. } => "friction.lag",
+            Self::Film { .. } | Self::RationalFilm { .. } => "friction.film",
+            Self::Ageing { .. } | Self::SaturatingAgeing { .. } => "friction.ageing",
+            Self::Asymmetry { .. } | Self::SmoothAsymmetry { .. } => "friction.asymmetry",
+            Self::Breakaway { .. } | Self::StraightBreakaway { .. } => "friction.breakaway",
+            Self::Exponent { .. } | Self::PowerBristle { .. } => "friction.exponent",
+            Self::PreslidingDamping { .. } | Self::RationalDamping { .. } => "friction.presliding-damping",
+            Self::Position { .. } | Self::SaturatingPosition { .. } => "friction.position",
+            Self::PositionPeriodic { .. } | Self::TrianglePosition { .. } => "friction.position-periodic",
+            Self::NormalDependence { .. } | Self::StraightNormalDependence { .. } => {
+                "friction.normal-dependence"
+            }
+            Self::Wear { .. } | Self::SettlingWear { .. } => "friction.wear",
             Self::LiftOff => "contact.lift-off",
-            Self::NormalStiffening { .. } => "contact.normal-stiffening",
-            Self::TangentialStiffness { .. } => "contact.tangential-stiffness",
-            Self::Backlash { .. } => "contact.backlash",
-            Self::CubicStiffness { .. } => "structure.cubic-stiffness",
-            Self::QuadraticDamping { .. } => "structure.quadratic-damping",
+            Self::NormalStiffening { .. } | Self::ExponentialStiffening { .. } => "contact.normal-stiffening",
+            Self::TangentialStiffness { .. } | Self::SeriesSpring { .. } | Self::ParallelSpring { .. } => {
+                "contact.tangential-stiffness"
+            }
+            Self::Backlash { .. } | Self::GradualBacklash { .. } => "contact.backlash",
+            Self::CubicStiffness { .. } | Self::YieldingCubic { .. } => "structure.cubic-stiffness",
+            Self::QuadraticDamping { .. } | Self::PowerDamping { .. } => "structure.quadratic-damping",
             Self::ClampCompliance { .. } => "structure.clamp-compliance",
             Self::AddedMass { .. } => "structure.added-mass",
-            Self::SecondSupport { .. } => "structure.second-support",
+            Self::SecondSupport { .. } | Self::RoundSupport { .. } | Self::RubbingSupport { .. } => {
+                "structure.second-support"
+            }
             Self::ModalFrequency { .. } => "structure.modal-frequency",
             Self::ModalDamping { .. } => "structure.modal-damping",
-            Self::FrequencyDrift { .. } => "structure.frequency-drift",
-            Self::PreloadModulation { .. } => "excitation.preload-modulation",
+            Self::FrequencyDrift { .. } | Self::SettlingDrift { .. } => "structure.frequency-drift",
+            Self::PreloadModulation { .. } | Self::SquareModulation { .. } => "excitation.preload-modulation",
             Self::BaseMotion { .. } => "excitation.base-motion",
             Self::Gain { .. } => "measurement.gain",
-            Self::Delay { .. } => "measurement.delay",
-            Self::Hum { .. } => "measurement.hum",
-            Self::Clipping { .. } => "measurement.clipping",
+            Self::Delay { .. } | Self::LowPass { .. } => "measurement.delay",
+            Self::Hum { .. } | Self::ThirdHarmonicHum { .. } => "measurement.hum",
+            Self::Clipping { .. } | Self::SoftClipping { .. } => "measurement.clipping",
             Self::SensorPosition { .. } => "measurement.position",
-            Self::Dropout { .. } => "measurement.dropout",
-            Self::Offset { .. } => "measurement.offset",
+            Self::Dropout { .. } | Self::HeldDropout { .. } => "measurement.dropout",
+            Self::Offset { .. } | Self::OffsetDrift { .. } => "measurement.offset",
+            Self::SpeedSquare { .. } | Self::NormalMemory { .. } => "unlisted:contact",
+            Self::EvenStiffness { .. } => "unlisted:structure",
+            Self::ExciterMoment { .. } | Self::SecondForce { .. } => "unlisted:excitation",
+            Self::QuadraticGain { .. } | Self::HighPass { .. } | Self::CrossTalk { .. } => {
+                "unlisted:measurement"
+            }
         }
     }
 
@@ -131,7 +217,13 @@ impl Effect {
             Self::CubicStiffness { position_m, .. }
             | Self::QuadraticDamping { position_m, .. }
             | Self::AddedMass { position_m, .. }
-            | Self::SecondSupport { position_m, .. } => Some(position_m),
+            | Self::SecondSupport { position_m, .. }
+            | Self::YieldingCubic { position_m, .. }
+            | Self::PowerDamping { position_m, .. }
+            | Self::RoundSupport { position_m, .. }
+            | Self::RubbingSupport { position_m, .. }
+            | Self::EvenStiffness { position_m, .. }
+            | Self::SecondForce { position_m, .. } => Some(position_m),
             _ => None,
         }
     }
@@ -146,7 +238,15 @@ impl Effect {
             | Self::Clipping { sensor, .. }
             | Self::SensorPosition { sensor, .. }
             | Self::Dropout { sensor, .. }
-            | Self::Offset { sensor, .. } => Some(sensor),
+            | Self::Offset { sensor, .. }
+            | Self::LowPass { sensor, .. }
+            | Self::ThirdHarmonicHum { sensor, .. }
+            | Self::SoftClipping { sensor, .. }
+            | Self::HeldDropout { sensor, .. }
+            | Self::OffsetDrift { sensor, .. }
+            | Self::QuadraticGain { sensor, .. }
+            | Self::HighPass { sensor, .. }
+            | Self::CrossTalk { sensor, .. } => Some(sensor),
             _ => None,
         }
     }

@@ -10,6 +10,9 @@ use crate::rig::{Effect, Rig, declared_law};
 
 /// The law that acts.
 pub(super) fn true_law(rig: &Rig) -> Result<SimulatedLaw, StudyError> {
+    if let Some(law) = super::foreign::law(rig)? {
+        return Ok(SimulatedLaw::Foreign(law));
+    }
     let Some(first) = rig.effects.iter().find(|effect| !hooks(rig, effect).is_empty()) else {
         let model = declared_law(&rig.support).map_err(|allowed| StudyError::RigValue {
             path: std::path::PathBuf::new(),
@@ -56,7 +59,7 @@ fn bristle(rig: &Rig) -> Option<ModifiedLaw<f64>> {
 }
 
 /// What an effect sets in the law; nothing where it does not act in the contact.
-fn hooks(rig: &Rig, effect: &Effect) -> Vec<(Hook, f64)> {
+pub(super) fn hooks(rig: &Rig, effect: &Effect) -> Vec<(Hook, f64)> {
     let mu_k = rig.support.parameters.get("mu_k").copied().unwrap_or_default();
     let stribeck = |mu_s: f64, velocity: f64, delta: f64| {
         vec![

@@ -1,0 +1,155 @@
+//! Coverage: how often the truth lies in the bands and intervals that the program states.
+//!
+//! The clean sets of the plan go through `reconstruct` and `identify`: the bands of friction force, slip and slip velocity
+//! should hold the true history at 95 % of the samples, the intervals of the parameters the true value in 95 % of the rigs.
+
+use super::Finished;
+use super::made::{Made, make};
+use super::plan::Planned;
+use frettrace::Progress;
+use frettrace::identify::{IdentifyOptions, identify};
+use frettrace::reconstruct::{ReconstructOptions, reconstruct};
+use frettrace::rig::parameter_key;
+use frettrace_friction::Law;
+use frettrace_measurement::Recording;
+use serde::{Deserialize, Serialize};
+
+/// What became of a clean set.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Covered {
+    /// Name in the plan.
+    pub name: String,
+    /// For friction force, slip and slip velocity: median over the runs of the relative error.
+    pub error: Vec<f64>,
+    /// For the same three: share of the samples of all runs inside the 95 % band.
+    pub inside: Vec<f64>,
+    /// Identifiable parameters: name, relative error, whether the interval holds the truth.
+    pub parameters: Vec<(String, f64, bool)>,
+    /// Why it failed.
+    pub failure: Option<String>,
+}
+
+impl Finished for Covered {
+    fn name(&self) -> &str {
+        &self.name
+    }
+}
+
+/// Standard deviations on either side of a 95 % band.
+const BAND: f64 = 1.96;
+
+/// Makes a planned set and compares; a failure is an answer too.
+#[must_use]
+pub fn cover(planned: &Planned) -> Covered {
+    let mut covered = Covered { name: planned.name.clone(), ..Covered::default() };
+    let outcome = make(planned).and_then(|made| {
+        histories(&made, &mut covered)?;
+        parameters(&made, &mut covered)
+    });
+    covered.failure = outcome.err().map(|error| format!("{error:#}"));
+    covered
+}
+
+/// Root mean square of what is left of values when their mean is taken away.
+fn spread(values: &[f64]) -> f64 {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+fn histories(made: &Made, covered: &mut Covered) -> anyhow::Result<()> {
+    let found =
+        reconstruct(&made.simulation.measurement, &ReconstructOptions::default(), &Progress::silent())?;
+    let runs = || found.inverse.runs.iter().zip(&made.simulation.truth.runs);
+    for channel in 0..3 {
+        let (mut errors, mut inside, mut count) = (Vec::new(), 0, 0);
+        for (run, truth) in runs() {
+            let (estimate, truth) = match channel {
+                0 => (&run.friction_force, &truth.friction_force),
+                1 => (&run.slip_displacement, &truth.slip_displacement),
+                _ => (&run.slip_velocity, &truth.slip_velocity),
+            };
+            // Means cannot be seen by accelerometers.
+            let difference: Vec<f64> = estimate.values.iter().zip(truth).map(|(a, b)| a - b).collect();
+            let mean = difference.iter().sum::<f64>() / difference.len() as f64;
+            errors.push(spread(&difference) / spread(truth));
+            inside += difference
+                .iter()
+                .zip(&estimate.std)
+                .filter(|(d, s)| (**d - mean).abs() <= BAND * **s)
+                .count();
+            count += difference.len();
+        }
+        errors.sort_by(f64::total_cmp);
+        covered.error.push(errors.get(errors.len() / 2).copied().unwrap_or(f64::NAN));
+        covered.inside.push(inside as f64 / count as f64);
+    }
+    Ok(())
+}
+
+fn parameters(made: &Made, covered: &mut Covered) -> anyhow::Result<()> {
+    let recording = Recording::Measurement(made.simulation.measurement.clone());
+    let found = identify(&recording, &IdentifyOptions::default(), &Progress::silent())?;
+    for parameter in Law::from_name(&found.law)?.parameters() {
+        let truth = made.rig.support.parameters.get(&parameter_key(parameter));
+        let (Some(&truth), Some(estimate)) = (truth, found.parameters.get(parameter.name)) else { continue };
+        if estimate.identifiable {
+            let [low, high] = estimate.interval95;
+            let error = (estimate.value - truth).abs() / truth.abs().max(f64::MIN_POSITIVE);
+            covered.parameters.push((parameter.name.to_owned(), error, low <= truth && truth <= high));
+        }
+    }
+    Ok(())
+}
+
+/// The coverage in Markdown.
+#[must_use]
+pub fn markdown(sets: &[Covered]) -> String {
+    let mut text = format!(
+        "# Coverage\n\n{} rigs, {} without an answer.\n\n| quantity | rigs | median relative error | share inside |\n|---|---|---|---|\n",
+        sets.len(),
+        sets.iter().filter(|set| set.failure.is_some()).count()
+    );
+    for (channel, name) in ["friction force", "slip", "slip velocity"].into_iter().enumerate() {
+        let rows: Vec<(f64, f64)> = sets
+            .iter()
+            .filter_map(|set| Some((*set.error.get(channel)?, *set.inside.get(channel)?)))
+            .collect();
+        let mean = rows.iter().map(|(_, inside)| inside).sum::<f64>() / rows.len().max(1) as f64;
+        text += &row(name, rows.iter().map(|(error, _)| *error).collect(), mean);
+    }
+    let mut names: Vec<&str> = sets.iter().flat_map(|s| &s.parameters).map(|p| p.0.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    for name in names {
+        let all = || sets.iter().flat_map(|set| &set.parameters).filter(|parameter| parameter.0 == name);
+        let inside = all().filter(|parameter| parameter.2).count() as f64 / all().count() as f64;
+        text += &row(name, all().map(|parameter| parameter.1).collect(), inside);
+    }
+    text
+}
+
+fn row(name: &str, mut errors: Vec<f64>, inside: f64) -> String {
+    errors.sort_by(f64::total_cmp);
+    let median = errors.get(errors.len() / 2).copied().unwrap_or(f64::NAN);
+    format!("| {name} | {} | {:.2} % | {:.1} % |\n", errors.len(), 100.0 * median, 100.0 * inside)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two rigs counted by hand.
+    #[test]
+    fn coverage_is_counted() {
+        let one = Covered {
+            error: vec![0.01, 0.02, 0.03],
+            inside: vec![0.9, 1.0, 0.8],
+            parameters: vec![("mu_k".into(), 0.01, true)],
+            ..Covered::default()
+        };
+        let other = Covered { parameters: vec![("mu_k".into(), 0.02, false)], ..one.clone() };
+        let text = markdown(&[one, other]);
+        assert!(text.contains("| mu_k | 2 | 2.00 % | 50.0 % |"), "{text}");
+        assert!(text.contains("| slip velocity | 2 | 3.00 % | 80.0 % |"), "{text}");
+    }
+}

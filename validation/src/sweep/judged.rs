@@ -1,0 +1,230 @@
+//! What became of a set.
+
+use super::Finished;
+use super::made::{Made, make};
+use super::plan::Planned;
+use frettrace::Progress;
+use frettrace::explain::{ExplainOptions, explain};
+use frettrace::results::{Explanation, Place, Verdict};
+use frettrace_measurement::Recording;
+use serde::{Deserialize, Serialize};
+
+/// One finished set: one line of the file of a sweep.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Judged {
+    /// Name in the plan.
+    pub name: String,
+    /// Id of the true effect; `None` for a clean set.
+    pub effect: Option<String>,
+    /// Whether its id was taken out of the list.
+    pub left_out: bool,
+    /// Error over noise floor of the plain model with true parameters.
+    pub visible: f64,
+    /// The verdict's word; `None` where the set failed.
+    pub verdict: Option<Verdict>,
+    /// Place named.
+    pub place: Option<Place>,
+    /// Ids named, each with those it cannot be told from.
+    pub named: Vec<Vec<String>>,
+    /// Distance between the named position and the true one over the beam's length.
+    pub position_error: Option<f64>,
+    /// Whether the right sensor is named.
+    pub sensor_right: Option<bool>,
+    /// Whether the interval of the effect's size holds the true one, where both are the same quantity.
+    pub size_inside: Option<bool>,
+    /// Error over noise floor before and after, held out where there are such runs.
+    pub over_floor: [f64; 2],
+    /// Why it failed.
+    pub failure: Option<String>,
+}
+
+impl Finished for Judged {
+    fn name(&self) -> &str {
+        &self.name
+    }
+}
+
+/// What the answer was worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Worth {
+    /// The true effect and nothing else; nothing on a clean set; `unexplained` with the right place where the name is not in the list.
+    Right,
+    /// Right only through `indistinguishable_from`.
+    Class,
+    /// `unexplained` where the name is in the list, or with another place.
+    Unexplained,
+    /// `nothing-missing` although something is.
+    Missed,
+    /// An effect that is not there.
+    Wrong,
+    /// No answer.
+    Failed,
+}
+
+impl Judged {
+    /// Whether the effect stands far enough out of the noise to count.
+    #[must_use]
+    pub fn counts(&self) -> bool {
+        self.effect.is_none() || self.visible > 1.3
+    }
+
+    /// Whether the true effect has no name in the list.
+    #[must_use]
+    pub fn nameless(&self) -> bool {
+        self.left_out || self.effect.as_ref().is_some_and(|id| id.starts_with("unlisted:"))
+    }
+
+    /// Worth of the answer.
+    #[must_use]
+    pub fn worth(&self) -> Worth {
+        let Some(verdict) = self.verdict else { return Worth::Failed };
+        let Some(effect) = &self.effect else {
+            return match verdict {
+                Verdict::NothingMissing => Worth::Right,
+                _ if self.named.is_empty() => Worth::Unexplained,
+                _ => Worth::Wrong,
+            };
+        };
+        if verdict == Verdict::NothingMissing {
+            return Worth::Missed;
+        }
+        if self.nameless() {
+            return match (self.named.is_empty(), self.place == place(effect)) {
+                (true, true) => Worth::Right,
+                (true, false) => Worth::Unexplained,
+                (false, _) => Worth::Wrong,
+            };
+        }
+        let held = |class: &Vec<String>| class.contains(effect);
+        match &self.named[..] {
+            [] => Worth::Unexplained,
+            [class] if class.first() == Some(effect) => Worth::Right,
+            [class] if held(class) => Worth::Class,
+            _ => Worth::Wrong,
+        }
+    }
+}
+
+/// Where an effect lives, from its id or what stands in for one.
+fn place(effect: &str) -> Option<Place> {
+    let word = effect.trim_start_matches("unlisted:");
+    Some(match word.split('.').next()? {
+        "friction" | "contact" => Place::Contact,
+        "structure" => Place::Structure,
+        "excitation" => Place::Excitation,
+        "measurement" => Place::Measurement,
+        _ => return None,
+    })
+}
+
+/// Makes a planned set and asks what it lacks; a failure is an answer too.
+#[must_use]
+pub fn judge(planned: &Planned) -> Judged {
+    let failed = |error: anyhow::Error| Judged {
+        name: planned.name.clone(),
+        effect: planned.formula.and_then(|formula| formula.split('/').next()).map(str::to_owned),
+        failure: Some(format!("{error:#}")),
+        ..Judged::default()
+    };
+    make(planned).and_then(|made| answered(planned, &made)).unwrap_or_else(failed)
+}
+
+fn answered(planned: &Planned, made: &Made) -> anyhow::Result<Judged> {
+    let effect = made.effect.as_ref().map(|effect| effect.id().to_owned());
+    let without = effect.iter().filter(|_| planned.left_out).cloned().collect();
+    let options = ExplainOptions { without, ..ExplainOptions::default() };
+    let recording = Recording::Measurement(made.simulation.measurement.clone());
+    let found = explain(&recording, &options, &Progress::silent())?;
+    let error = found.held_out.as_ref().unwrap_or(&found.error);
+    Ok(Judged {
+        name: planned.name.clone(),
+        left_out: planned.left_out,
+        visible: made.visible,
+        verdict: Some(found.verdict),
+        place: found.place,
+        named: found.effects.iter().map(class).collect(),
+        position_error: position_error(made, &found),
+        sensor_right: sensor_right(made, &found),
+        size_inside: size_inside(made, &found),
+        over_floor: [error.before, error.after].map(|value| value / error.noise_floor),
+        failure: None,
+        effect,
+    })
+}
+
+fn class(effect: &frettrace::results::Effect) -> Vec<String> {
+    std::iter::once(&effect.id).chain(effect.indistinguishable_from.iter().take(2)).cloned().collect()
+}
+
+/// The effect named where it is the true one.
+fn named<'a>(made: &Made, found: &'a Explanation) -> Option<&'a frettrace::results::Effect> {
+    let id = made.effect.as_ref()?.id();
+    found.effects.iter().find(|effect| effect.id == id)
+}
+
+fn position_error(made: &Made, found: &Explanation) -> Option<f64> {
+    let position = made.effect.as_ref()?.position()?;
+    Some((named(made, found)?.position_m? - position).abs() / made.rig.beam.length_m)
+}
+
+fn sensor_right(made: &Made, found: &Explanation) -> Option<bool> {
+    let sensor = made.effect.as_ref()?.sensor()?;
+    Some(named(made, found)?.sensor? == sensor)
+}
+
+/// Only where the truth and the model have the same parameter by the same name.
+fn size_inside(made: &Made, found: &Explanation) -> Option<bool> {
+    use frettrace::rig::Effect;
+    let (name, truth) = match *made.effect.as_ref()? {
+        Effect::Viscous { sigma2_n_s_per_m } => ("sigma2", sigma2_n_s_per_m),
+        Effect::Stribeck { v_s_m_per_s, .. } => ("v_s", v_s_m_per_s),
+        Effect::Asymmetry { share } => ("asymmetry", share),
+        Effect::Breakaway { breakaway } => ("breakaway", breakaway),
+        Effect::Exponent { exponent } => ("exponent", exponent),
+        Effect::PreslidingDamping { sigma1_s_per_m, .. } => ("sigma1", sigma1_s_per_m),
+        Effect::Wear { relative_change } => ("wear", relative_change),
+        Effect::Backlash { half_play_m } => ("half_play", half_play_m),
+        _ => return None,
+    };
+    let estimate = named(made, found)?.parameters.get(name)?;
+    let [low, high] = estimate.interval95;
+    Some(low <= truth && truth <= high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn answer(effect: Option<&str>, verdict: Verdict, named: &[&[&str]]) -> Judged {
+        Judged {
+            effect: effect.map(str::to_owned),
+            verdict: Some(verdict),
+            named: named.iter().map(|c| c.iter().map(|&id| id.to_owned()).collect()).collect(),
+            place: Some(Place::Contact),
+            ..Judged::default()
+        }
+    }
+
+    /// The definitions of the worth of an answer, one by one.
+    #[test]
+    fn answers_have_their_worth() {
+        let lag = Some("friction.lag");
+        let wear: &[&[&str]] = &[&["friction.wear"]];
+        assert_eq!(answer(None, Verdict::NothingMissing, &[]).worth(), Worth::Right);
+        assert_eq!(answer(None, Verdict::Explained, wear).worth(), Worth::Wrong);
+        assert_eq!(answer(lag, Verdict::NothingMissing, &[]).worth(), Worth::Missed);
+        assert_eq!(answer(lag, Verdict::Unexplained, &[]).worth(), Worth::Unexplained);
+        assert_eq!(answer(lag, Verdict::Explained, &[&["friction.lag"]]).worth(), Worth::Right);
+        assert_eq!(
+            answer(lag, Verdict::Explained, &[&["friction.film", "friction.lag"]]).worth(),
+            Worth::Class
+        );
+        assert_eq!(answer(lag, Verdict::Explained, wear).worth(), Worth::Wrong);
+        let out = Judged { left_out: true, ..answer(lag, Verdict::Unexplained, &[]) };
+        assert_eq!(out.worth(), Worth::Right);
+        let elsewhere = Judged { place: Some(Place::Structure), ..out.clone() };
+        assert_eq!(elsewhere.worth(), Worth::Unexplained);
+        assert_eq!(Judged { named: vec![vec!["friction.film".into()]], ..out }.worth(), Worth::Wrong);
+        assert_eq!(Judged::default().worth(), Worth::Failed);
+    }
+}

@@ -1,0 +1,161 @@
+//! From a planned set to a measurement whose truth is known.
+
+use super::effects::{Scale, build};
+use super::plan::Planned;
+use super::rigs::{Choice, Drawn, draw};
+use anyhow::bail;
+use frettrace::Progress;
+use frettrace::rig::{Effect, Rig, RigRuns, RigSlip};
+use frettrace::simulate::{Simulation, simulate};
+use frettrace_forward::march::Settling;
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+/// A made set.
+#[derive(Clone, Debug)]
+pub struct Made {
+    /// What the program is given, and the truth.
+    pub simulation: Simulation,
+    /// The rig with its effect.
+    pub rig: Rig,
+    /// The effect.
+    pub effect: Option<Effect>,
+    /// `√(1 + mean of (change/noise)²)` over the runs: error over noise floor of the plain model with true parameters.
+    pub visible: f64,
+}
+
+/// Rigs drawn before a planned set is given up.
+const ATTEMPTS: usize = 12;
+/// Error over noise floor from which an effect counts as large enough to be looked for.
+const LARGE_ENOUGH: f64 = 2.0;
+/// Times that the size of an effect is doubled until it is.
+const DOUBLINGS: usize = 3;
+
+/// Makes a planned set; everything comes from its seed.
+///
+/// # Errors
+/// Where no rig that can be simulated is found.
+pub fn make(planned: &Planned) -> anyhow::Result<Made> {
+    let mut random = Pcg64::seed_from_u64(planned.seed);
+    for _ in 0..ATTEMPTS {
+        let drawn = draw(&mut random, &planned.choice)?;
+        if let Some((drawn, scale)) = settled(&mut random, drawn, &planned.choice)? {
+            return with_effect(&mut random, drawn, &scale, planned);
+        }
+    }
+    bail!("{}: no rig settles", planned.name)
+}
+
+/// Runs the plain rig at two levels: sizes of the motion, from which the rest is scaled. `None` where the rig will not do.
+fn settled(random: &mut Pcg64, mut drawn: Drawn, choice: &Choice) -> anyhow::Result<Option<(Drawn, Scale)>> {
+    let made = simulate(&probe(&drawn), &Progress::silent())?;
+    if made.settled.iter().any(|run| matches!(run, Settling::NotPeriodic { .. })) {
+        return Ok(None);
+    }
+    let mut scale = Scale::new(&made);
+    if scale.largest_level > 3e3 {
+        return Ok(None);
+    }
+    if choice.slip == RigSlip::Rotation {
+        // A contact that opens is an effect of its own; a soft support is wanted for what the normal force does.
+        let wanted = if choice.soft { random.random_range(0.3..0.9) } else { scale.opening.min(0.6) };
+        load(&mut drawn, &mut scale, wanted);
+    }
+    finish_law(random, &mut drawn, choice.law, &scale);
+    drawn.rig.sensors.noise_std_m_per_s2 = drawn.noise_share * scale.middle_level;
+    drawn.rig.sensors.noise_correlation = if choice.coloured { random.random_range(0.5..0.95) } else { 0.0 };
+    Ok(Some((drawn, scale)))
+}
+
+/// The plain rig at the middle and the highest level, short and without noise.
+fn probe(drawn: &Drawn) -> Rig {
+    let mut rig = drawn.rig.clone();
+    let mut forces: Vec<f64> = rig.runs.iter().flat_map(|r| r.force_amplitude_n.iter().copied()).collect();
+    forces.sort_by(f64::total_cmp);
+    let ends = [forces[forces.len() / 2], forces[forces.len() - 1]];
+    rig.runs = vec![RigRuns { force_amplitude_n: ends.to_vec(), ..rig.runs[0].clone() }];
+    rig.sampling.samples = (4.0 * rig.sampling.rate_hz / drawn.frequency).ceil().max(512.0) as usize;
+    let memoryless = !rig.support.parameters.contains_key("sigma0_per_m");
+    rig.support.law = if memoryless { "coulomb" } else { "dahl" }.to_owned();
+    if !memoryless {
+        rig.support.parameters.insert("exponent".to_owned(), 1.0);
+    }
+    rig
+}
+
+/// Changes the preload so that the dynamic normal force is the wanted share of it, with friction and stiffness as they are.
+fn load(drawn: &mut Drawn, scale: &mut Scale, wanted: f64) {
+    let factor = scale.opening / wanted;
+    for run in &mut drawn.rig.runs {
+        run.preload_n *= factor;
+    }
+    for key in ["mu_k", "sigma0_per_m"] {
+        if let Some(value) = drawn.rig.support.parameters.get_mut(key) {
+            *value /= factor;
+        }
+    }
+    scale.opening = wanted;
+}
+
+/// The parameters of the declared law that need a scale of speed.
+fn finish_law(random: &mut impl Rng, drawn: &mut Drawn, law: &str, scale: &Scale) {
+    let preload = drawn.rig.runs[0].preload_n;
+    let parameters = &mut drawn.rig.support.parameters;
+    let mu_k = parameters.get("mu_k").copied().unwrap_or_default();
+    let sigma0 = parameters.get("sigma0_per_m").copied().unwrap_or_default();
+    let mut set = |key: &str, value: f64| parameters.insert(key.to_owned(), value);
+    if law == "dahl" {
+        set("exponent", 1.0);
+    }
+    if ["stribeck", "lugre", "hybrid"].contains(&law) {
+        set("mu_s", mu_k * random.random_range(1.2..1.6));
+        set("v_s_m_per_s", scale.velocity * random.random_range(0.2..0.8));
+        set("delta", if random.random_bool(0.3) { 1.0 } else { 2.0 });
+        let viscous = if random.random_bool(0.5) { 0.1 * mu_k * preload / scale.velocity } else { 0.0 };
+        set("sigma2_n_s_per_m", viscous);
+    }
+    if ["lugre", "hybrid"].contains(&law) {
+        let share = random.random_range(0.0..0.2);
+        set("sigma1_s_per_m", share * sigma0 / (std::f64::consts::TAU * drawn.frequency));
+        set("v_d_m_per_s", scale.velocity * random.random_range(0.3..1.0));
+    }
+    if law == "hybrid" {
+        set("breakaway", random.random_range(0.2..0.6));
+    }
+}
+
+/// The set with its effect, doubled until it stands out of the noise.
+fn with_effect(random: &mut Pcg64, drawn: Drawn, scale: &Scale, planned: &Planned) -> anyhow::Result<Made> {
+    let plain = simulate(&drawn.rig, &Progress::silent())?;
+    let Some(formula) = planned.formula else {
+        return Ok(Made { simulation: plain, rig: drawn.rig, effect: None, visible: 1.0 });
+    };
+    let seed: u64 = random.random();
+    let mut size = f64::from(planned.size);
+    for doubling in 0..=DOUBLINGS {
+        let effect = build(formula, &mut Pcg64::seed_from_u64(seed), &drawn, scale, size);
+        let Some(effect) = effect else { bail!("{formula}: no such effect") };
+        let mut rig = drawn.rig.clone();
+        rig.effects.push(effect.clone());
+        let simulation = simulate(&rig, &Progress::silent())?;
+        let visible = visible(&plain, &simulation, rig.sensors.noise_std_m_per_s2);
+        if visible > LARGE_ENOUGH || doubling == DOUBLINGS {
+            return Ok(Made { simulation, rig, effect: Some(effect), visible });
+        }
+        size *= 2.0;
+    }
+    bail!("{}: no size will do", planned.name)
+}
+
+/// Both have the same noise, so that their difference is the effect's.
+fn visible(plain: &Simulation, with: &Simulation, noise: f64) -> f64 {
+    let runs = plain.measurement.runs.iter().zip(&with.measurement.runs);
+    let squares: Vec<f64> = runs
+        .map(|(a, b)| {
+            let pairs = a.acceleration.iter().flatten().zip(b.acceleration.iter().flatten());
+            let (sum, count) = pairs.fold((0.0, 0.0), |(s, n), (x, y)| (s + (x - y).powi(2), n + 1.0));
+            sum / count / (noise * noise)
+        })
+        .collect();
+    (1.0 + squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+}
