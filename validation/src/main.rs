@@ -28,7 +28,7 @@ enum Table {
     Bands {
         /// Number of rigs
         #[arg(default_value_t = 200)]
-        rigs: usize,
+        rigs: u64,
     },
     /// The hypotheses of the modes
     Hypotheses,

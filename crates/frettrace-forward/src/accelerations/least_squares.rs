@@ -78,8 +78,8 @@ mod tests {
         let x = [Complex64::new(1.0, -2.0), Complex64::new(0.5, 0.25), Complex64::new(-3.0, 1.0)];
         let y: Vec<Complex64> = (0..5).map(|i| (0..3).map(|k| columns[k][i] * x[k]).sum()).collect();
         let found = solve(&columns, &y).unwrap();
-        for k in 0..3 {
-            assert!((found.values[k] - x[k]).norm() < 1e-12, "{k}: {}", found.values[k]);
+        for (found, expected) in found.values.iter().zip(&x) {
+            assert!((found - expected).norm() < 1e-12, "{found} {expected}");
         }
         let lone = solve(&columns[..1], &y).unwrap();
         let norm: f64 = columns[0].iter().map(Complex64::norm_sqr).sum();
