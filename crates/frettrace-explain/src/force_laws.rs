@@ -169,11 +169,15 @@ pub(crate) fn regress(histories: &[History], shape: &Shape) -> Option<Answer> {
         _ => return linear_fit(histories, shape, 0.0),
     };
     // A threshold by scan over a ladder of sizes, then by golden section between the neighbours of the best.
-    let ladder: Vec<f64> = (0..THRESHOLDS).map(|k| reach * 0.97 * (0.82_f64).powi(k as i32)).collect();
+    let mut ladder: Vec<f64> = (0..THRESHOLDS).map(|k| reach * 0.97 * (0.82_f64).powi(k as i32)).collect();
+    if shape.law == PortLaw::Stop {
+        // A stop may be pressed on at rest.
+        ladder.extend((0..THRESHOLDS).rev().map(|k| -reach * 0.97 * (0.82_f64).powi(k as i32)));
+    }
     let chi = |c: f64| linear_fit(histories, shape, c).map_or(f64::INFINITY, |a| a.chi);
     let values: Vec<f64> = ladder.iter().map(|&c| chi(c)).collect();
-    let best = (0..THRESHOLDS).min_by(|&a, &b| values[a].total_cmp(&values[b]))?;
-    let (mut low, mut high) = (ladder[(best + 1).min(THRESHOLDS - 1)], ladder[best.saturating_sub(1)]);
+    let best = (0..ladder.len()).min_by(|&a, &b| values[a].total_cmp(&values[b]))?;
+    let (mut low, mut high) = (ladder[(best + 1).min(ladder.len() - 1)], ladder[best.saturating_sub(1)]);
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     for _ in 0..12 {
         let (a, b) = (high - golden * (high - low), low + golden * (high - low));
@@ -200,7 +204,11 @@ fn dissipates(law: PortLaw, coefficient: usize) -> bool {
 
 /// Whether a coefficient is the stiffness of a support, which cannot be negative.
 fn carries(law: PortLaw, coefficient: usize) -> bool {
-    matches!(law, PortLaw::Polynomial | PortLaw::Gap | PortLaw::Stop) && coefficient == 0
+    match law {
+        PortLaw::Polynomial | PortLaw::Gap | PortLaw::Stop => coefficient == 0,
+        PortLaw::Friction => coefficient == 2,
+        _ => false,
+    }
 }
 
 /// Linear coefficients by least squares at a threshold, none of them against physics: a negative dashpot is left out, a

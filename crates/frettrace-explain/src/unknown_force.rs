@@ -32,9 +32,9 @@ impl Located {
 /// Places tried along the beam before the best is refined.
 const PLACES: usize = 48;
 /// The first of them: a force nearer the clamp is the clamp's.
-const CLAMP: usize = 2;
+const CLAMP: usize = 3;
 /// Modes that may carry a force of their own.
-const MODES: usize = 3;
+const MODES: usize = 6;
 /// Share of the open balance that a force at one place must explain to be worth a law.
 const WORTH: f64 = 0.3;
 /// The exciter's own place competes with any other by its χ² times this: a refined place is always a little better.
@@ -222,15 +222,14 @@ impl Study<'_> {
             .map(|&k| {
                 let value = port.coefficients[k];
                 let (name, unit) = names(port.law, modal)[k];
-                let threshold =
-                    matches!(port.law, PortLaw::Gap | PortLaw::Stop | PortLaw::Friction) && k == 1;
+                let threshold = matches!(port.law, PortLaw::Gap | PortLaw::Friction) && k == 1;
                 let bounds = if threshold { (0.0, f64::INFINITY) } else { FREE };
                 signed(Quantity::Port(index, k), (name, unit), 0.1 * value.abs().max(1e-30), bounds)
             })
             .collect();
         if matches!(port.place, PortPlace::At(_)) {
             let length = self.scales.length;
-            let bounds = (0.01 * length, 0.99 * length);
+            let bounds = (0.05 * length, 0.99 * length);
             unknowns.push(signed(Quantity::PortPosition(index), ("position", "m"), 0.003 * length, bounds));
         }
         StructureForm { setting, unknowns, sensor: None }

@@ -1,0 +1,217 @@
+//! Effects outside the friction contact on rigs from the time march: 72 modes at 131 kHz, where the model that explains them
+//! sums 40 modes on harmonics.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may unwrap")]
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+use frettrace_beam::{Boundary, ModalModel, ModalOptions, UniformBeam};
+use frettrace_explain::{
+    Case, ChannelFault, DeclaredModes, Outcome, Place, RunSamples, Verdict, explain, records,
+};
+use frettrace_forward::accelerations::Rig;
+use frettrace_forward::march::Characteristic;
+use frettrace_forward::simulate::{
+    Attached, Chain, Hum, NormalContact, Sampling, SimulatedLaw, SimulatedRecord, SimulatedRig, SimulatedRun,
+    SimulatedSensor, Slip, simulate,
+};
+use frettrace_friction::Law;
+use frettrace_identify::contact::Family;
+
+const LENGTH: f64 = 0.5;
+const RATE: f64 = 4096.0;
+const NOISE: f64 = 0.05;
+/// Close below the first resonance of 99 Hz; the record holds no whole number of periods.
+const FREQUENCY: f64 = 94.3;
+const MODES: usize = 6;
+
+fn beam() -> UniformBeam {
+    UniformBeam::rectangular(LENGTH, [0.03, 0.0075], 2.0e11, 7850.0)
+}
+
+fn rig() -> SimulatedRig {
+    let parameters =
+        BTreeMap::from([("sigma0", 5e5), ("mu_k", 0.25), ("exponent", 1.0)].map(|(n, v)| (n.to_owned(), v)));
+    let sensor = |position| SimulatedSensor { position, chain: Chain { noise: NOISE, ..Chain::default() } };
+    SimulatedRig {
+        beam: beam(),
+        boundary: Boundary::spring(5e6),
+        modes: 72,
+        natural_frequency: Vec::new(),
+        damping_ratio: vec![0.02],
+        slip: Slip::Rotation { lever_arm: 0.0037 },
+        normal: NormalContact::default(),
+        law: SimulatedLaw::Declared(Law::Dahl.with_named(&parameters).unwrap()),
+        exciter: 0.23,
+        sensors: [0.09, 0.16, 0.27, 0.36, 0.45].map(sensor).to_vec(),
+        attached: Vec::new(),
+        second_support: None,
+        base: None,
+        sampling: Sampling { rate: RATE, samples: 2048, oversampling: 32 },
+        seed: 11,
+    }
+}
+
+fn measured(rig: &SimulatedRig, amplitudes: &[f64]) -> Vec<SimulatedRecord> {
+    let run = |force_amplitude| SimulatedRun {
+        force_amplitude,
+        omega: TAU * FREQUENCY,
+        preload: 70.0,
+        modulation: None,
+        frequency_factor: 1.0,
+        progress: 0.0,
+    };
+    amplitudes.iter().enumerate().map(|(k, &a)| simulate(rig, &run(a), k as u64).unwrap()).collect()
+}
+
+fn samples(measured: &[SimulatedRecord]) -> Vec<RunSamples<'_>> {
+    measured
+        .iter()
+        .map(|record| RunSamples {
+            sampling_rate: RATE,
+            excitation_frequency: FREQUENCY,
+            preload: 70.0,
+            force: &record.force,
+            acceleration: &record.acceleration,
+        })
+        .collect()
+}
+
+/// What a file would declare: nothing of what is attached or wrong.
+fn declared(rig: &SimulatedRig, measured: &[SimulatedRecord]) -> Case {
+    let noise = vec![NOISE; rig.sensors.len()];
+    let (records, faults) = records(&samples(measured), Some(&noise)).unwrap();
+    let options = ModalOptions { modes: MODES, ..ModalOptions::default() };
+    let frequency = ModalModel::new(&rig.beam, &rig.boundary, &options).unwrap().natural_frequency().to_vec();
+    Case {
+        rig: Rig {
+            beam: rig.beam,
+            boundary: rig.boundary,
+            exciter: rig.exciter,
+            sensors: rig.sensors.iter().map(|s| s.position).collect(),
+            lever: Some(0.0037),
+            known_support: None,
+            modes: 40,
+        },
+        records,
+        modes: DeclaredModes {
+            frequency_std: frequency.iter().map(|f| 1e-5 * f).collect(),
+            damping: vec![0.02; MODES],
+            damping_std: vec![2e-5; MODES],
+            measured: MODES,
+            frequency,
+        },
+        law: Family::Dahl,
+        faults,
+        without: Vec::new(),
+    }
+}
+
+const LEVELS: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
+
+fn explained(rig: &SimulatedRig, without: &[&str]) -> Outcome {
+    let measured = measured(rig, &LEVELS);
+    let mut case = declared(rig, &measured);
+    case.without = without.iter().map(|id| (*id).to_owned()).collect();
+    explain(&case).unwrap()
+}
+
+/// Issue 8: placed within 1 % of the length, error left within 1.2 of the noise on runs that nothing was fitted to.
+fn check_placed(outcome: &Outcome, id: &str, position: f64) {
+    assert_eq!(outcome.verdict, Verdict::Explained);
+    let named: Vec<&str> = outcome.effects.iter().map(|e| e.id).collect();
+    assert_eq!(named, [id]);
+    let found = outcome.effects[0].position.unwrap();
+    assert!((found - position).abs() < 0.01 * LENGTH, "{id} at {found} m, put at {position} m");
+    let [before, after] = outcome.held_out.unwrap();
+    assert!(
+        before.ratio() > 1.5 && after.ratio() < 1.2,
+        "{} before, {} after",
+        before.ratio(),
+        after.ratio()
+    );
+}
+
+#[test]
+fn nothing_is_missed_where_nothing_is_missing() {
+    let outcome = explained(&rig(), &[]);
+    assert_eq!(outcome.verdict, Verdict::NothingMissing, "{:?}", outcome.effects);
+    assert!(outcome.place.is_none());
+}
+
+#[test]
+fn a_stop_along_the_beam_is_a_second_support_in_its_place() {
+    let mut rig = rig();
+    // Touched at the three higher levels, where the beam moves by 0.03 to 0.1 mm there.
+    rig.attached = vec![(0.31, Attached::Load(Characteristic::Stop { stiffness: 4e4, gap: 1.5e-5 }))];
+    check_placed(&explained(&rig, &[]), "structure.second-support", 0.31);
+}
+
+#[test]
+fn a_cubic_spring_is_told_from_a_support_by_its_shape() {
+    let mut rig = rig();
+    rig.attached = vec![(0.34, Attached::Load(Characteristic::CubicSpring(5e12)))];
+    check_placed(&explained(&rig, &[]), "structure.cubic-stiffness", 0.34);
+}
+
+#[test]
+fn without_its_name_the_place_stays() {
+    let mut rig = rig();
+    rig.attached = vec![(0.34, Attached::Load(Characteristic::QuadraticDashpot(30.0)))];
+    check_placed(&explained(&rig, &[]), "structure.quadratic-damping", 0.34);
+    let nameless = explained(&rig, &["structure.quadratic-damping", "structure.second-support"]);
+    assert_eq!(nameless.verdict, Verdict::Unexplained, "{:?}", nameless.effects);
+    assert_eq!(nameless.place, Some(Place::Structure));
+}
+
+/// A sensor 6 % too strong is named, and without the name the place is still the measurement chain.
+#[test]
+fn a_gain_belongs_to_its_sensor() {
+    let mut rig = rig();
+    rig.sensors[3].chain.gain = 1.06;
+    let outcome = explained(&rig, &[]);
+    assert_eq!(outcome.verdict, Verdict::Explained);
+    assert_eq!((outcome.effects[0].id, outcome.effects[0].sensor), ("measurement.gain", Some(3)));
+    let nameless = explained(&rig, &["measurement.gain", "measurement.position"]);
+    assert_eq!(nameless.place, Some(Place::Measurement), "{:?}", nameless.verdict);
+}
+
+/// Faults that the samples themselves show, with the sensor that has each; the runs stay periodic.
+#[test]
+fn faults_of_channels_are_seen_in_their_samples() {
+    let mut rig = rig();
+    rig.sensors[0].chain.offset = 0.3;
+    rig.sensors[1].chain.hum = Some(Hum { amplitude: 0.4, frequency: 50.0, phase: 0.7 });
+    // The third sensor reads up to 60 m/s² at the highest level.
+    rig.sensors[2].chain.limit = 30.0;
+    rig.sensors[4].chain.dropouts = vec![[0.4, 0.47]];
+    let measured = measured(&rig, &LEVELS);
+    let noise = vec![NOISE; rig.sensors.len()];
+    let (found, faults) = records(&samples(&measured), Some(&noise)).unwrap();
+    let mut seen: Vec<(&str, usize)> = faults.iter().map(|f: &ChannelFault| (f.id, f.sensor)).collect();
+    seen.sort_unstable();
+    let expected = [
+        ("measurement.clipping", 2),
+        ("measurement.dropout", 4),
+        ("measurement.hum", 1),
+        ("measurement.offset", 0),
+    ];
+    assert_eq!(seen, expected);
+    assert!(found.iter().all(|r| r.periodic));
+    let value = |id: &str| faults.iter().find(|f| f.id == id).unwrap().parameters.clone();
+    // The offset's standard error is below the noise over the root of all samples, 5e-4 m/s².
+    assert!((value("measurement.offset")[0].2 - 0.3).abs() < 5e-3);
+    assert!((value("measurement.clipping")[0].2 - 30.0).abs() < 1e-9);
+    // The amplitude's is 7e-4 m/s² in each run.
+    assert!((value("measurement.hum")[1].2 - 0.4).abs() < 5e-3);
+    // 7 % of the record and two samples to each side.
+    assert!((value("measurement.dropout")[0].2 - 0.07).abs() < 4e-3);
+}
+
+#[test]
+fn sound_channels_have_no_faults() {
+    let measured = measured(&rig(), &LEVELS);
+    let (_, faults) = records(&samples(&measured), Some(&[NOISE; 5])).unwrap();
+    assert!(faults.is_empty(), "{faults:?}");
+}
