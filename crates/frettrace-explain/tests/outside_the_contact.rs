@@ -33,7 +33,11 @@ fn beam() -> UniformBeam {
 fn rig() -> SimulatedRig {
     let parameters =
         BTreeMap::from([("sigma0", 5e5), ("mu_k", 0.25), ("exponent", 1.0)].map(|(n, v)| (n.to_owned(), v)));
-    let sensor = |position| SimulatedSensor { position, chain: Chain { noise: NOISE, ..Chain::default() } };
+    let sensor = |position| SimulatedSensor {
+        position,
+        chain: Chain { noise: NOISE, ..Chain::default() },
+        cross_talk: None,
+    };
     SimulatedRig {
         beam: beam(),
         boundary: Boundary::spring(5e6),
@@ -44,6 +48,8 @@ fn rig() -> SimulatedRig {
         normal: NormalContact::default(),
         law: SimulatedLaw::Declared(Law::Dahl.with_named(&parameters).unwrap()),
         exciter: 0.23,
+        exciter_lever: 0.0,
+        second_force: None,
         sensors: [0.09, 0.16, 0.27, 0.36, 0.45].map(sensor).to_vec(),
         attached: Vec::new(),
         second_support: None,
@@ -182,7 +188,7 @@ fn a_gain_belongs_to_its_sensor() {
 fn faults_of_channels_are_seen_in_their_samples() {
     let mut rig = rig();
     rig.sensors[0].chain.offset = 0.3;
-    rig.sensors[1].chain.hum = Some(Hum { amplitude: 0.4, frequency: 50.0, phase: 0.7 });
+    rig.sensors[1].chain.hum = Some(Hum { amplitude: 0.4, frequency: 50.0, phase: 0.7, third: 0.0 });
     // The third sensor reads up to 60 m/s² at the highest level.
     rig.sensors[2].chain.limit = 30.0;
     rig.sensors[4].chain.dropouts = vec![[0.4, 0.47]];
