@@ -3,6 +3,7 @@
 //! Residuals are recovered minus answered force lines over `σ_F·|1 + σ0 N R|`: an error of the recovered force moves the
 //! recovered slip by `R` times as much, and that moves the law's answer by its stiffness.
 
+use crate::series_fit::SeriesContact;
 use frettrace_forward::accelerations::{AccelerationError, AccelerationModel, Balance};
 use frettrace_fourier::{Grid, GridError};
 use frettrace_friction::Step;
@@ -10,6 +11,7 @@ use frettrace_friction::effects::{Circumstance, Hook, ModifiedLaw, ModifiedState
 use frettrace_identify::{Fit, FitSettings, IdentifyError, Model, NoSolution, Parameter, fit};
 use nalgebra::DMatrix;
 use num_complex::Complex64;
+use std::sync::Arc;
 
 /// Recovered motion and force lines of one run.
 pub(crate) struct Recovered {
@@ -145,9 +147,15 @@ impl Recovered {
     }
 }
 
+/// Recovered contacts of periodic runs, line by line, and of the others, bin by bin.
+pub(crate) struct Contacts {
+    pub periodic: Vec<Recovered>,
+    pub series: Vec<Arc<SeriesContact>>,
+}
+
 /// A law with some of its hooks free, against recovered contacts.
 pub(crate) struct ContactProblem<'a> {
-    pub recovered: &'a [Recovered],
+    pub recovered: &'a Contacts,
     pub law: ModifiedLaw<f64>,
     pub modulation: usize,
     pub hooks: Vec<Hook>,
@@ -183,7 +191,8 @@ impl Model for ContactProblem<'_> {
     }
 
     fn residual_count(&self) -> usize {
-        self.recovered.iter().map(Recovered::count).sum()
+        let lines: usize = self.recovered.periodic.iter().map(Recovered::count).sum();
+        lines + self.recovered.series.iter().map(|s| s.count()).sum::<usize>()
     }
 
     fn memory(&self) {}
@@ -191,9 +200,13 @@ impl Model for ContactProblem<'_> {
     fn residual(&self, values: &[f64], _memory: &mut (), residual: &mut [f64]) -> Result<(), NoSolution> {
         let law = self.at(values);
         let mut at = 0;
-        for recovered in self.recovered {
+        for recovered in &self.recovered.periodic {
             recovered.residual(&law, self.modulation, &mut residual[at..at + recovered.count()]);
             at += recovered.count();
+        }
+        for series in &self.recovered.series {
+            series.residual(&law, &mut residual[at..at + series.count()]);
+            at += series.count();
         }
         if residual.iter().all(|r| r.is_finite()) { Ok(()) } else { Err(NoSolution) }
     }

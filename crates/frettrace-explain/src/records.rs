@@ -1,6 +1,6 @@
 //! Runs as the model needs them: base frequency, lines with their deviations, and what lies beside the lines.
 
-use crate::Clipped;
+use crate::{Clipped, Series};
 use frettrace_forward::accelerations::RunLines;
 use frettrace_fourier::{Lines, Projected, ProjectionError, Projector, refine};
 use num_complex::Complex64;
@@ -41,6 +41,8 @@ pub struct RunRecord {
     pub excess: Vec<f64>,
     /// Saturation of each sensor; its lines carry no weight.
     pub clipped: Vec<Option<Clipped>>,
+    /// What was recovered of a run that is not periodic; `None` for periodic runs, and where nobody recovered it.
+    pub series: Option<Series>,
     /// What neither lines nor a constant hold, sample by sample.
     pub residual: Vec<Vec<f64>>,
     /// Samples of the run.
@@ -192,6 +194,7 @@ impl RunRecord {
             lines,
             subharmonic,
             periodic,
+            series: None,
             beside,
             untrusted: beyond / power.iter().sum::<f64>().max(f64::MIN_POSITIVE),
             power,

@@ -1,6 +1,7 @@
 //! The search: what the contact's recovered motion says of each candidate, then the whole model for the best few.
 
-use crate::contact_fit::{ContactProblem, Recovered, recover};
+use crate::case::Scales;
+use crate::contact_fit::{ContactProblem, Contacts, recover};
 use crate::effects::{ALL, ContactForm, Effect};
 use crate::study::merge;
 use crate::{ExplainError, Fitted, Study, Unknown};
@@ -14,8 +15,8 @@ const BEST: usize = 3;
 /// Growth of the error by the noise of a recovered force among the inputs: with two forces from six sensors, a fifth in variance.
 const INPUT_NOISE: f64 = 1.1;
 /// Steps of the fit that every form gets on the recovered contacts, and forms that get all of them.
-const GLANCE: usize = 5;
-const LOOK: usize = 10;
+const GLANCE: usize = 3;
+const LOOK: usize = 8;
 /// A model is complete where its error stays within this factor of the noise, over all training runs …
 pub(crate) const COMPLETE: f64 = 1.05;
 /// … and in every run.
@@ -26,6 +27,9 @@ const SUFFICIENT: f64 = 1.2;
 /// … and no more than this share of the declared model's excess is left: model errors of other rigs are of that size.
 const REST: f64 = 0.01;
 
+/// Steps of three by which a contact is stiffened at most: five powers of ten.
+const STIFFER: usize = 10;
+
 /// A law on recovered contacts, with what it costs.
 #[derive(Clone)]
 pub(crate) struct ContactCandidate {
@@ -35,6 +39,10 @@ pub(crate) struct ContactCandidate {
     pub unknowns: Vec<Unknown>,
     /// `χ² + k ln n` on the recovered contacts.
     pub criterion: f64,
+    /// χ² per residual.
+    pub reduced: f64,
+    /// Whether a value that the effect brought lies on its bound: there the effect, or a part of its form, is not used.
+    pub bound: bool,
 }
 
 /// A model of the whole rig with named effects in it.
@@ -97,7 +105,58 @@ impl Explained {
     }
 }
 
+/// χ² per residual on the recovered contacts from which other starts of the declared law are tried.
+const POOR: f64 = 4.0;
+
+/// Other starts of a law: Stribeck velocities, breakaways and dampings of other sizes.
+fn starts(law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ModifiedLaw<f64>> {
+    let mut out = Vec::new();
+    for speed in [0.1, 0.4] {
+        for breakaway in [0.15, 0.6] {
+            let mut other = *law;
+            let mu = law.get(Hook::MuKinetic).unwrap_or(0.3);
+            let sizes = [
+                (Hook::StribeckVelocity, speed * scales.velocity),
+                (Hook::DampingVelocity, speed * scales.velocity),
+                (Hook::StribeckRise, 0.3 * mu),
+                (Hook::StribeckExponent, 1.5),
+                (Hook::Sigma1, 0.05 * mu / scales.velocity),
+                (Hook::Viscous, 0.0),
+                (Hook::Breakaway, breakaway),
+            ];
+            for (hook, value) in sizes {
+                if law.get(hook).is_some() {
+                    other.set(hook, value);
+                }
+            }
+            if law.get(Hook::Breakaway).is_some() || breakaway < 0.5 {
+                out.push(other);
+            }
+        }
+    }
+    out
+}
+
 impl Study<'_> {
+    /// A stiffer law, step by step, while it comes nearer to the data: a law without memory is the limit.
+    pub(crate) fn stiffened(&self, from: Explained) -> Explained {
+        let few: Vec<Unknown> =
+            self.case.unknowns().into_iter().filter(|u| matches!(u.quantity, Quantity::Law(_))).collect();
+        let mut best = from;
+        for _ in 0..STIFFER {
+            let mut setting = best.fitted.setting.clone();
+            let stiffness = setting.law.get(Hook::Sigma0).unwrap_or(1.0);
+            setting.law.set(Hook::Sigma0, 3.0 * stiffness);
+            let Ok(found) = self.fit(setting, &few, &best.fitted.memory, 4) else { break };
+            let found = self.judged(found, Vec::new(), Vec::new());
+            if found.ratio > 0.97 * best.ratio {
+                break;
+            }
+            best = found;
+        }
+        best
+    }
+
     /// Fits a model of the whole rig: the law first, then everything where the law comes near.
     pub(crate) fn whole(
         &self,
@@ -173,7 +232,9 @@ impl Study<'_> {
 
     pub(crate) fn judged(&self, fitted: Fitted, effects: Vec<usize>, added: Vec<Unknown>) -> Explained {
         let count = self.residual_count() as f64;
-        let criterion = fitted.fit.cost + fitted.unknowns.len() as f64 * count.ln();
+        // Runs without a period judge the law by what was recovered of them.
+        let series = self.series_cost(&fitted.setting.law);
+        let criterion = fitted.fit.cost + series + fitted.unknowns.len() as f64 * count.ln();
         // Where a recovered force is an input, its noise comes on top of the sensors' own.
         let allowance = if self.case.rig.known_support.is_some() { INPUT_NOISE } else { 1.0 };
         let worst = self.training.iter().map(|&run| self.error(&fitted, &[run]).ratio()).fold(0.0, f64::max)
@@ -183,28 +244,41 @@ impl Study<'_> {
         Explained { effects, sensors, fitted, counts: Vec::new(), added, criterion, ratio, worst }
     }
 
-    /// Recovered contacts of the training runs.
-    pub(crate) fn recovered(&self, setting: &Setting) -> Result<Vec<Recovered>, ExplainError> {
+    /// Recovered contacts of the training runs, and of those that are not periodic.
+    pub(crate) fn recovered(&self, setting: &Setting) -> Result<Contacts, ExplainError> {
         let selected: Vec<(usize, usize)> =
             self.training.iter().map(|&run| (run, self.case.records[run].subharmonic)).collect();
         let sigma0 = setting.law.get(Hook::Sigma0).unwrap_or(1e5);
-        Ok(recover(&self.model, setting, &selected, sigma0)?)
+        let periodic = recover(&self.model, setting, &selected, sigma0)?;
+        Ok(Contacts { periodic, series: self.series.iter().map(|(_, contact)| contact.clone()).collect() })
     }
 
     /// The law of a setting on the recovered contacts.
     pub(crate) fn contact_base(
         &self,
-        recovered: &[Recovered],
+        recovered: &Contacts,
         setting: &Setting,
         law_unknowns: &[Unknown],
     ) -> Option<ContactCandidate> {
         let form = ContactForm::new(Vec::new());
-        self.contact_candidate(recovered, setting, law_unknowns, (usize::MAX, &form), 20)
+        let fitted = |setting: &Setting| {
+            self.contact_candidate(recovered, setting, law_unknowns, (usize::MAX, &form), 20)
+        };
+        let first = fitted(setting)?;
+        if first.reduced < POOR || law_unknowns.len() < 3 {
+            return Some(first);
+        }
+        // A law of many values has several minima: other starts, where the first end is poor.
+        let others: Vec<ContactCandidate> = starts(&setting.law, &self.scales)
+            .into_par_iter()
+            .filter_map(|law| fitted(&Setting { law, ..setting.clone() }))
+            .collect();
+        others.into_iter().chain([first]).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
     }
 
     fn contact_candidate(
         &self,
-        recovered: &[Recovered],
+        recovered: &Contacts,
         setting: &Setting,
         law_unknowns: &[Unknown],
         (effect, form): (usize, &ContactForm),
@@ -232,7 +306,11 @@ impl Study<'_> {
         let problem = ContactProblem { recovered, law, modulation, hooks, parameters };
         let fit = problem.solve(most).ok()?;
         let count = problem.residual_count() as f64;
+        let brought = |hook: &Hook| added.iter().any(|u| u.quantity == Quantity::Law(*hook));
+        let bound = problem.hooks.iter().zip(&fit.at_bound).any(|(hook, bound)| *bound && brought(hook));
         Some(ContactCandidate {
+            reduced: fit.cost / count,
+            bound,
             effect,
             law: problem.at(&fit.values),
             modulation,
@@ -244,7 +322,7 @@ impl Study<'_> {
     /// Every effect of the contact on the recovered contacts, best first, one form each.
     pub(crate) fn contact_candidates(
         &self,
-        recovered: &[Recovered],
+        recovered: &Contacts,
         setting: &Setting,
         law_unknowns: &[Unknown],
         taken: &[usize],
@@ -268,12 +346,19 @@ impl Study<'_> {
             .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut found: Vec<ContactCandidate> =
-            order.par_iter().take(LOOK).filter_map(|(_, k)| tried(&forms[*k], 40)).collect();
+            order.par_iter().take(LOOK).filter_map(|(_, k)| tried(&forms[*k], 30)).collect();
         found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
         let mut best: Vec<ContactCandidate> = Vec::new();
         for candidate in found {
-            if !best.iter().any(|b| b.effect == candidate.effect) {
-                best.push(candidate);
+            match best.iter_mut().find(|b| b.effect == candidate.effect) {
+                None => best.push(candidate),
+                // A form that uses all it has, about as well, is the better description of the same effect.
+                Some(other)
+                    if other.bound && !candidate.bound && candidate.criterion < 1.2 * other.criterion =>
+                {
+                    *other = candidate;
+                }
+                Some(_) => {}
             }
         }
         best
@@ -289,7 +374,7 @@ impl Study<'_> {
         let mut tried: Vec<Explained> = candidates
             .par_iter()
             .take(BEST)
-            .filter(|candidate| candidate.criterion < 4.0 * best + 500.0)
+            .filter(|candidate| candidate.criterion < 3.0 * best + 500.0)
             .filter_map(|candidate| {
                 let mut setting = from.fitted.setting.clone();
                 setting.law = candidate.law;

@@ -82,8 +82,13 @@ pub(crate) fn law(family: Family, histories: &[ContactHistory]) -> ModifiedLaw<f
         family.law(&fit(&model, &values, &settings).map_or(values, |found| found.values))
     };
     if family.is_static() {
-        // A memoryless law is the limit of a stiff bristle: a fiftieth of the smallest slip to full friction.
-        let reach = histories.iter().map(ContactHistory::amplitude).fold(f64::INFINITY, f64::min);
+        // A memoryless law is the limit of a stiff bristle: a fiftieth of the smallest slip of the runs that slide. A run that
+        // sticks has a slip of nothing but noise.
+        let slides = |h: &&ContactHistory| peak(&h.force) > 0.8 * guess.mu * h.mean_normal();
+        let reach =
+            histories.iter().filter(slides).map(ContactHistory::amplitude).fold(f64::INFINITY, f64::min);
+        let widest = histories.iter().map(ContactHistory::amplitude).fold(0.0, f64::max);
+        let reach = if reach.is_finite() { reach.max(0.02 * widest) } else { widest };
         law.set(Hook::Sigma0, 50.0 * guess.mu / reach.max(1e-12));
     }
     // Starts in the open interior of what the fit admits.

@@ -1,13 +1,16 @@
 //! The study: split, fits, errors.
 
 use crate::case::Scales;
+use crate::series_fit::SeriesContact;
 use crate::start;
 use crate::{AccelerationFit, Case, Clipped, Unknown};
 use frettrace_forward::accelerations::{
     AccelerationError, AccelerationModel, Memory, Prediction, Quantity, Setting,
 };
+use frettrace_friction::effects::ModifiedLaw;
 use frettrace_identify::{Fit, FitSettings, IdentifyError, Model, fit};
 use nalgebra::DMatrix;
+use std::sync::Arc;
 
 /// Why nothing can be explained.
 #[derive(Debug, Clone, thiserror::Error)]
@@ -41,6 +44,8 @@ pub struct Study<'a> {
     pub held_out: Vec<usize>,
     /// Sizes of the motion in the contact.
     pub scales: Scales,
+    /// Runs that are not periodic, with their indices.
+    pub(crate) series: Vec<(usize, Arc<SeriesContact>)>,
 }
 
 /// A model fitted to the training runs.
@@ -105,11 +110,18 @@ impl<'a> Study<'a> {
         let training: Vec<usize> = periodic.into_iter().filter(|k| !held_out.contains(k)).collect();
         let lines = case.records.iter().map(|r| r.lines.clone()).collect();
         let model = AccelerationModel::new(case.rig.clone(), lines)?;
-        let blank = case.setting(frettrace_friction::effects::ModifiedLaw::dahl(1.0, 1.0));
+        let blank = case.setting(ModifiedLaw::dahl(1.0, 1.0));
         let histories = start::histories(case, &model, &blank, &training)?;
         let law = start::law(case.law, &histories);
         let scales = start::scales(case, &histories);
-        Ok((Self { case, model, training, held_out, scales }, case.setting(law)))
+        let series = case.records.iter().enumerate().filter(|(_, record)| !record.periodic);
+        let series = series.filter_map(|(run, record)| {
+            let lines = &record.lines;
+            let contact = SeriesContact::new(record.series.as_ref()?, lines.preload, lines.progress)?;
+            Some((run, Arc::new(contact)))
+        });
+        let series = series.collect();
+        Ok((Self { case, model, training, held_out, scales, series }, case.setting(law)))
     }
 
     /// Fits `unknowns` around `setting` to the training runs.
@@ -138,6 +150,32 @@ impl<'a> Study<'a> {
         let _ = self.model.predict(&setting, &self.training, &mut memory);
         let deviation = deviations(&problem, &found, &memory);
         Ok(Fitted { setting, unknowns: unknowns.to_vec(), fit: found, memory, deviation })
+    }
+
+    /// The same study on a finer phase grid with twice the lines of contact force: kinks that a law with play, stops or a
+    /// steep rise makes need them.
+    ///
+    /// # Errors
+    /// [`ExplainError::Model`] where the grid cannot carry the lines.
+    pub fn refined(&self) -> Result<Self, ExplainError> {
+        let mut runs = self.model.runs.clone();
+        for run in &mut runs {
+            run.contact_order *= 2;
+            run.samples = (2 * run.samples).min(4096);
+        }
+        Ok(Self {
+            case: self.case,
+            model: AccelerationModel::new(self.model.rig.clone(), runs)?,
+            training: self.training.clone(),
+            held_out: self.held_out.clone(),
+            scales: self.scales,
+            series: self.series.clone(),
+        })
+    }
+
+    /// χ² of a law on the runs that are not periodic.
+    pub(crate) fn series_cost(&self, law: &ModifiedLaw<f64>) -> f64 {
+        self.series.iter().map(|(_, contact)| contact.cost(law)).sum()
     }
 
     /// Number of real residuals of the training runs.
@@ -210,6 +248,34 @@ impl<'a> Study<'a> {
             }
         }
         sum
+    }
+
+    /// Improvement of `after` over `before` on the selected runs, in standard errors; infinite where `before` has no answer.
+    ///
+    /// With `δ` the whitened difference of both predictions, `Δχ²` scatters by `2|δ|` under the noise of the lines, the more so
+    /// by what `after` leaves above it.
+    #[must_use]
+    pub fn improvement(&self, before: &Fitted, after: &Fitted, selected: &[usize]) -> f64 {
+        let pairs = self.predictions(before, selected).into_iter().zip(self.predictions(after, selected));
+        let (mut gain, mut moved, mut left, mut count) = (0.0, 0.0, 0.0, 0.0);
+        for (&run, pair) in selected.iter().zip(pairs) {
+            let (Some(old), Some(new)) = pair else {
+                return if pair.1.is_some() { f64::INFINITY } else { 0.0 };
+            };
+            let lines = &self.model.runs[run];
+            for (s, deviation) in lines.deviation.iter().enumerate() {
+                for (h, std) in deviation.iter().enumerate().skip(1) {
+                    let measured = lines.acceleration[s][h];
+                    let remains = ((measured - new[s][h]) / std).norm_sqr();
+                    gain += ((measured - old[s][h]) / std).norm_sqr() - remains;
+                    moved += ((old[s][h] - new[s][h]) / std).norm_sqr();
+                    left += remains;
+                    count += 2.0;
+                }
+            }
+        }
+        let inflation = (left / f64::max(count, 1.0)).max(1.0);
+        gain / (2.0 * (moved * inflation).sqrt()).max(f64::MIN_POSITIVE)
     }
 
     /// Error of the selected runs together.

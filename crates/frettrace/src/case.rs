@@ -1,14 +1,52 @@
 //! A measurement file as the case of an explanation or a joint fit.
 
-use crate::StudyError;
+use crate::{Progress, StudyError};
 use frettrace_beam::{Boundary, UniformBeam};
-use frettrace_explain::{Case, DeclaredModes, RunSamples};
+use frettrace_explain::{Case, DeclaredModes, RunSamples, Series};
 use frettrace_forward::accelerations::Rig;
 use frettrace_identify::contact::Family;
+use frettrace_inverse::RunReconstruction;
 use frettrace_measurement::{Measurement, SlipKind};
 
 /// Modes summed; the rest acts through its static flexibility.
 const MODES: usize = 40;
+
+/// Gives the runs of a case that are not periodic what the inverse recovers of them over the whole spectrum.
+///
+/// # Errors
+/// [`StudyError`] where the inverse cannot use the rig.
+pub fn recover_aperiodic(case: &mut Case, measurement: &Measurement) -> Result<(), StudyError> {
+    if case.records.iter().all(|record| record.periodic) {
+        return Ok(());
+    }
+    let options = crate::reconstruct::ReconstructOptions::default();
+    let found = crate::reconstruct::reconstruct(measurement, &options, &Progress::silent())?.inverse;
+    for (record, run) in case.records.iter_mut().zip(&found.runs) {
+        if !record.periodic {
+            record.series = series(run);
+        }
+    }
+    Ok(())
+}
+
+/// Recovered samples; bins that the prior leads are not known.
+fn series(run: &RunReconstruction) -> Option<Series> {
+    let friction = &run.contact.as_ref()?.friction;
+    let mut deviation: Vec<f64> = friction.variance.iter().map(|v| (0.5 * v).sqrt()).collect();
+    for &bin in &run.regularised_lines {
+        if let Some(value) = deviation.get_mut(bin) {
+            *value = f64::INFINITY;
+        }
+    }
+    Some(Series {
+        dt: run.lines.sampling_rate.recip(),
+        slip: run.slip_displacement.values.clone(),
+        velocity: run.slip_velocity.values.clone(),
+        normal: run.normal_force.values.clone(),
+        force: run.friction_force.values.clone(),
+        deviation,
+    })
+}
 
 /// The case a measurement file declares.
 ///

@@ -34,6 +34,7 @@ pub fn explain(
     progress.start(2, "lines");
     let mut case = case::case(measurement)?;
     case.without.clone_from(&options.without);
+    case::recover_aperiodic(&mut case, measurement)?;
     progress.step();
     let outcome = frettrace_explain::explain(&case)?;
     let shown = frettrace_explain::exhibits(&case, &outcome)?;

@@ -29,7 +29,10 @@ impl Effect for FrictionAsymmetry {
         "the contact turned round: the harmonics of even order change sign"
     }
 
-    fn contact_forms(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<ContactForm> {
-        vec![ContactForm::new(vec![Change::linear(Hook::Asymmetry, 0.02, 0.02, (-0.9, 0.9))])]
+    fn contact_forms(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
+        let share = || Change::linear(Hook::Asymmetry, 0.02, 0.02, (-0.9, 0.9));
+        // Another laboratory's coefficient turns over smoothly with the velocity.
+        let over = Change::positive(Hook::AsymmetryVelocity, 0.05 * scales.velocity, 1e-3);
+        vec![ContactForm::new(vec![share()]), ContactForm::new(vec![share(), over])]
     }
 }

@@ -33,6 +33,8 @@ impl Effect for FrictionBreakaway {
         if known(law, &[Hook::Breakaway]) {
             return Vec::new();
         }
-        vec![ContactForm::new(vec![Change::between(Hook::Breakaway, 0.3, (0.0, 0.95))])]
+        let share = || Change::between(Hook::Breakaway, 0.3, (0.0, 0.95));
+        let shape = Change::linear(Hook::BreakawayShape, 0.3, 0.3, (-0.5, 1.5));
+        vec![ContactForm::new(vec![share()]), ContactForm::new(vec![share(), shape])]
     }
 }

@@ -36,6 +36,9 @@ impl Effect for FrictionExponent {
         vec![
             ContactForm::new(vec![Change::between(Hook::Exponent, 0.8, (0.02, 8.0))]),
             ContactForm::new(vec![Change::between(Hook::Exponent, 1.3, (0.02, 8.0))]),
+            // The exponent on the loading itself, as hysteresis models of Bouc's kind have it.
+            ContactForm::new(vec![Change::between(Hook::FlowPower, 0.7, (0.1, 12.0))]),
+            ContactForm::new(vec![Change::between(Hook::FlowPower, 1.6, (0.1, 12.0))]),
         ]
     }
 }

@@ -34,6 +34,10 @@ impl Effect for FrictionPosition {
         vec![
             ContactForm::new(vec![Change::signed(Hook::Position, size)]),
             ContactForm::new(vec![
+                Change::signed(Hook::Position, 2.0 * size),
+                Change::positive(Hook::PositionScale, 0.7 * scales.slip, 0.02),
+            ]),
+            ContactForm::new(vec![
                 Change::signed(Hook::Position, size),
                 Change::signed(Hook::PositionSquare, size / scales.slip),
             ]),

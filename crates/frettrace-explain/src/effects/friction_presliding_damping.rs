@@ -40,6 +40,11 @@ impl Effect for FrictionPreslidingDamping {
                 Change::from_zero(Hook::Sigma1, 3.0 * size),
                 Change::positive(Hook::DampingVelocity, 0.3 * scales.velocity, 1e-3),
             ]),
+            ContactForm::new(vec![
+                Change::from_zero(Hook::Sigma1, 3.0 * size),
+                Change::positive(Hook::DampingVelocity, 0.3 * scales.velocity, 1e-3),
+                Change::fixed(Hook::DampingRational, 1.0),
+            ]),
         ]
     }
 }

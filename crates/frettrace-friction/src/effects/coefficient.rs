@@ -58,7 +58,12 @@ impl<T: Scalar> ModifiedLaw<T> {
             mu *= self.at(Hook::AgeingGain) * strength + 1.0;
         }
         if self.on(Hook::Asymmetry) {
-            mu *= self.at(Hook::Asymmetry) * sign + 1.0;
+            let mut turned = T::from(sign);
+            if self.on(Hook::AsymmetryVelocity) {
+                let over = self.at(Hook::AsymmetryVelocity);
+                turned *= end.speed / (end.speed * end.speed + over * over).sqrt();
+            }
+            mu *= self.at(Hook::Asymmetry) * turned + 1.0;
         }
         mu *= self.place_factor(end.slip);
         if self.on(Hook::NormalExponent) {
@@ -93,7 +98,12 @@ impl<T: Scalar> ModifiedLaw<T> {
     fn place_factor(&self, slip: T) -> T {
         let mut factor = T::from(1.0);
         if self.on(Hook::Position) {
-            factor += self.at(Hook::Position) * slip;
+            let mut along = slip;
+            if self.on(Hook::PositionScale) {
+                let x = slip / self.at(Hook::PositionScale);
+                along = slip / (x * x + 1.0).sqrt();
+            }
+            factor += self.at(Hook::Position) * along;
         }
         if self.on(Hook::PositionSquare) {
             factor += self.at(Hook::PositionSquare) * slip * slip;
@@ -112,7 +122,7 @@ impl<T: Scalar> ModifiedLaw<T> {
     pub(super) fn varies(&self) -> bool {
         [Hook::StribeckRise, Hook::FilmLoss, Hook::AgeingGain, Hook::Position, Hook::PositionSquare]
             .into_iter()
-            .chain([Hook::PositionCube, Hook::PeriodicNumber, Hook::NormalExponent])
+            .chain([Hook::AsymmetryVelocity, Hook::PositionCube, Hook::PeriodicNumber, Hook::NormalExponent])
             .any(|hook| self.on(hook))
     }
 }

@@ -1,7 +1,7 @@
 //! The parameters of the modified law.
 
 /// Number of hooks.
-pub const HOOKS: usize = 43;
+pub const HOOKS: usize = 48;
 
 /// A parameter of [`ModifiedLaw`](super::ModifiedLaw): those of the declared laws first, then those of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -93,6 +93,16 @@ pub enum Hook {
     AgeingSaturation,
     /// Relative change of the friction coefficient with slip, third order [1/m³].
     PositionCube,
+    /// Velocity over which the asymmetry turns over, `v/√(v² + v_a²)` in place of `sgn v` (m/s).
+    AsymmetryVelocity,
+    /// Share of a straight rise of the plastic flow after breakaway beside the half sine.
+    BreakawayShape,
+    /// Share of a rational fading `1/(1 + (v/v_d)²)` of the presliding damping beside the Gaussian one.
+    DampingRational,
+    /// Power `n` of the loading in the flow `1 − r|r|^{n−1}` of the bristle, in place of `1 − r`.
+    FlowPower,
+    /// Slip beyond which the change of the friction coefficient with slip saturates, `u/√(1 + (u/s)²)` \[m\].
+    PositionScale,
 }
 
 impl Hook {
@@ -141,6 +151,11 @@ impl Hook {
         Self::FilmExponent,
         Self::AgeingSaturation,
         Self::PositionCube,
+        Self::AsymmetryVelocity,
+        Self::BreakawayShape,
+        Self::DampingRational,
+        Self::FlowPower,
+        Self::PositionScale,
     ];
 
     /// Its name in results and its unit.
@@ -190,6 +205,11 @@ impl Hook {
             Self::FilmExponent => ("film_exponent", "1"),
             Self::AgeingSaturation => ("ageing_saturation", "1"),
             Self::PositionCube => ("position_cube", "1/m^3"),
+            Self::AsymmetryVelocity => ("asymmetry_velocity", "m/s"),
+            Self::BreakawayShape => ("breakaway_shape", "1"),
+            Self::DampingRational => ("damping_rational", "1"),
+            Self::FlowPower => ("flow_power", "1"),
+            Self::PositionScale => ("position_scale", "m"),
         }
     }
 }

@@ -43,20 +43,22 @@ pub(super) fn power<T: Scalar>(ratio: T, exponent: T, xi: T) -> T {
     -(y * (-(growth * slope)).exp()) + 1.0
 }
 
-/// Rise `α(r)` of the hybrid law: 0 up to `breakaway`, half a sine up to 1 at `r = 1`.
-pub(super) fn rise<T: Scalar>(ratio: T, breakaway: T) -> T {
+/// Rise `α(r)` of the hybrid law: 0 up to `breakaway`, half a sine up to 1 at `r = 1`; a share `straight` of it along a
+/// straight line instead (negative: steeper in the middle).
+pub(super) fn rise<T: Scalar>(ratio: T, breakaway: T, straight: T) -> T {
     if ratio.re() <= breakaway.re() {
         T::from(0.0)
     } else if ratio.re() >= 1.0 {
         T::from(1.0)
     } else {
         let place = (ratio - breakaway) / (-breakaway + 1.0);
-        ((place - 0.5) * std::f64::consts::PI).sin() * 0.5 + 0.5
+        let curved = ((place - 0.5) * std::f64::consts::PI).sin() * 0.5 + 0.5;
+        curved + (place - curved) * straight
     }
 }
 
 /// Elasto-plastic flow `dr = (1 − α(r)·r)dξ` by the classical Runge-Kutta rule in steps of at most a quarter.
-pub(super) fn elasto_plastic<T: Scalar>(mut ratio: T, breakaway: T, mut xi: T) -> T {
+pub(super) fn elasto_plastic<T: Scalar>(mut ratio: T, (breakaway, straight): (T, T), mut xi: T) -> T {
     // Purely elastic up to the breakaway: that stretch is exact.
     let room = breakaway - ratio;
     if room.re() > 0.0 {
@@ -68,7 +70,26 @@ pub(super) fn elasto_plastic<T: Scalar>(mut ratio: T, breakaway: T, mut xi: T) -
     }
     let count = (xi.re() / 0.25).ceil().clamp(1.0, 64.0);
     let h = xi / count;
-    let flow = |r: T| -(rise(r, breakaway) * r) + 1.0;
+    let flow = |r: T| -(rise(r, breakaway, straight) * r) + 1.0;
+    for _ in 0..count as usize {
+        let k1 = flow(ratio);
+        let k2 = flow(ratio + k1 * h * 0.5);
+        let k3 = flow(ratio + k2 * h * 0.5);
+        let k4 = flow(ratio + k3 * h);
+        ratio += (k1 + (k2 + k3) * 2.0 + k4) * h / 6.0;
+    }
+    ratio
+}
+
+/// Flow `dr = (1 − r|r|^{n−1})dξ` by the classical Runge-Kutta rule in steps of at most a quarter.
+pub(super) fn powered<T: Scalar>(mut ratio: T, exponent: T, xi: T) -> T {
+    let count = (xi.re() / 0.25).ceil().clamp(1.0, 64.0);
+    let h = xi / count;
+    let flow = |r: T| {
+        let size = r.abs() + 1e-12;
+        let power = (size.ln() * exponent).exp();
+        if r.re() < 0.0 { power + 1.0 } else { -power + 1.0 }
+    };
     for _ in 0..count as usize {
         let k1 = flow(ratio);
         let k2 = flow(ratio + k1 * h * 0.5);

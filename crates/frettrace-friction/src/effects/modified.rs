@@ -7,7 +7,7 @@
 //! monotone and rate-independent laws depend on slip alone.
 
 use super::hooks::{HOOKS, Hook};
-use super::kernel::{decay_mean, elasto_plastic, power, relax};
+use super::kernel::{decay_mean, elasto_plastic, power, powered, relax};
 use crate::bristle::Friction;
 use crate::law::{FrictionLaw, Scalar, Step, Stroke};
 
@@ -164,7 +164,10 @@ impl<T: Scalar> ModifiedLaw<T> {
     fn flow_by(&self, b: T, mu: [T; 2], sign: f64, xi: T) -> T {
         let mean = (mu[0] + mu[1]) * 0.5;
         if self.on(Hook::Breakaway) {
-            elasto_plastic(b * sign / mean, self.at(Hook::Breakaway), xi) * mean * sign
+            let rise = (self.at(Hook::Breakaway), self.at(Hook::BreakawayShape));
+            elasto_plastic(b * sign / mean, rise, xi) * mean * sign
+        } else if self.on(Hook::FlowPower) {
+            powered(b * sign / mean, self.at(Hook::FlowPower), xi) * mean * sign
         } else if self.on(Hook::Exponent) {
             power(b * sign / mean, self.at(Hook::Exponent), xi) * mean * sign
         } else {
@@ -200,7 +203,8 @@ impl<T: Scalar> ModifiedLaw<T> {
         middle.memory = self.remember(memory, &from, &middle, half);
         to.memory = self.remember(middle.memory, &middle, &to, half);
         let [start, mid, stop] = [&from, &middle, &to].map(|end| self.friction(end, sign, circumstance));
-        if self.on(Hook::SeriesCompliance) {
+        let stepwise = [Hook::SeriesCompliance, Hook::BreakawayShape, Hook::FlowPower];
+        if stepwise.into_iter().any(|hook| self.on(hook)) {
             let b = self.flow(b, [start, mid], middle.slip - from.slip, from.normal);
             return (self.flow(b, [mid, stop], to.slip - middle.slip, middle.normal), to.memory);
         }
@@ -250,14 +254,17 @@ impl<T: Scalar> ModifiedLaw<T> {
         let sign = if velocity.re() < 0.0 { -1.0 } else { 1.0 };
         let ratio = b * sign / self.friction(end, sign, circumstance);
         let rate = if self.on(Hook::Breakaway) {
-            -(super::kernel::rise(ratio, self.at(Hook::Breakaway)) * ratio) + 1.0
+            let rise = super::kernel::rise(ratio, self.at(Hook::Breakaway), self.at(Hook::BreakawayShape));
+            -(rise * ratio) + 1.0
         } else {
             -ratio + 1.0
         };
         let mut sigma1 = self.at(Hook::Sigma1);
         if self.on(Hook::DampingVelocity) {
             let x = velocity / self.at(Hook::DampingVelocity);
-            sigma1 *= (-(x * x)).exp();
+            let fading = (-(x * x)).exp();
+            let rational = (x * x + 1.0).recip();
+            sigma1 *= fading + (rational - fading) * self.at(Hook::DampingRational);
         }
         sigma1 * velocity * rate
     }

@@ -71,6 +71,39 @@ fn exponent_one_is_the_plain_law() {
     }
 }
 
+/// The powered flow at `n = 1` is the plain law; Runge-Kutta steps of a quarter are good to 1e-5.
+#[test]
+fn flow_power_one_is_the_plain_law() {
+    let plain: ModifiedLaw<f64> = ModifiedLaw::dahl(3.0, 0.4);
+    let mut other = plain;
+    other.set(Hook::FlowPower, 1.0);
+    for (a, b) in settled(&plain, 0.3, 256).iter().zip(settled(&other, 0.3, 256)) {
+        assert!((a.1 - b.1).abs() < 1e-5);
+    }
+}
+
+/// Shapes of another laboratory at their neutral values change nothing.
+#[test]
+fn neutral_shapes_change_nothing() {
+    let neutral = [
+        (vec![(Hook::Breakaway, 0.3)], Hook::BreakawayShape, 0.0, 2e-3),
+        (vec![(Hook::Asymmetry, 0.2)], Hook::AsymmetryVelocity, 1e-9, 1e-6),
+        (vec![(Hook::NormalExponent, 0.3)], Hook::NormalCurvature, 0.0, 1e-12),
+        (vec![(Hook::Position, 0.4)], Hook::PositionScale, 1e6, 1e-9),
+        (vec![(Hook::Wear, 0.4)], Hook::WearExponent, 1.0, 1e-12),
+        (vec![(Hook::Sigma1, 0.01), (Hook::DampingVelocity, 1.0)], Hook::DampingRational, 0.0, 1e-12),
+    ];
+    for (effect, shape, value, tolerance) in neutral {
+        let mut law: ModifiedLaw<f64> = ModifiedLaw::dahl(3.0, 0.4);
+        effect.into_iter().for_each(|(hook, value)| law.set(hook, value));
+        let mut other = law;
+        other.set(shape, value);
+        for (a, b) in settled(&law, 0.3, 1024).iter().zip(settled(&other, 0.3, 1024)) {
+            assert!((a.1 - b.1).abs() < tolerance, "{shape:?} {} {}", a.1, b.1);
+        }
+    }
+}
+
 /// A hook at zero changes nothing.
 #[test]
 fn hooks_at_zero_change_nothing() {

@@ -1,0 +1,171 @@
+//! The law on the recovered motion of a run that is not periodic: force against force, bin by bin of the record.
+//!
+//! No waveform is predicted: the law is marched along the recovered slip and normal force, and its answer is compared with
+//! the recovered force in the bins the sensors know. The record is tapered, so that the unknown state at its start, a
+//! tenth of it, does not matter.
+
+use frettrace_fourier::spectrum;
+use frettrace_friction::Step;
+use frettrace_friction::effects::{Circumstance, ModifiedLaw};
+use num_complex::Complex64;
+
+/// What was recovered of a run without a law and without a period, one value a sample.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Series {
+    /// Duration between two samples (s).
+    pub dt: f64,
+    /// Slip (m).
+    pub slip: Vec<f64>,
+    /// Slip velocity (m/s).
+    pub velocity: Vec<f64>,
+    /// Normal force (N).
+    pub normal: Vec<f64>,
+    /// Friction force (N).
+    pub force: Vec<f64>,
+    /// Standard deviation of real and imaginary part of the force in each bin of the record (N); infinite where the
+    /// sensors know nothing of it.
+    pub deviation: Vec<f64>,
+}
+
+/// Relative accuracy of a recovered force: what drift, taper and the structure's errors leave.
+const ACCURACY: f64 = 0.01;
+/// Share of the record at its start that only settles the law's state.
+const SETTLING: f64 = 0.1;
+
+/// A run ready for comparison.
+pub(crate) struct SeriesContact {
+    series: Series,
+    circumstance: Circumstance,
+    /// Bins compared: index and standard deviation.
+    bins: Vec<(usize, f64)>,
+    measured: Vec<Complex64>,
+}
+
+impl SeriesContact {
+    /// Prepares a run; `None` where no bin of its force is known.
+    pub fn new(series: &Series, preload: f64, progress: f64) -> Option<Self> {
+        let measured = tapered(&series.force);
+        // Bins of the tapered part lie a little closer together than those of the record.
+        let deviation = |k: usize| {
+            let of_record = (k as f64 / (1.0 - SETTLING)).round() as usize;
+            series.deviation.get(of_record).copied().unwrap_or(f64::INFINITY)
+        };
+        let known: Vec<usize> =
+            (2..measured.len()).step_by(2).filter(|&k| measured[k].norm() > 3.0 * deviation(k)).collect();
+        let size: f64 = known.iter().map(|&k| measured[k].norm_sqr()).sum();
+        let least = ACCURACY * (0.5 * size / known.len().max(1) as f64).sqrt();
+        let bins = known.iter().map(|&k| (k, deviation(k).hypot(least))).collect::<Vec<_>>();
+        let circumstance = Circumstance { preload, progress, ..Circumstance::default() };
+        (!bins.is_empty()).then(|| Self { series: series.clone(), circumstance, bins, measured })
+    }
+
+    /// Force of the law along the recovered motion.
+    fn answer(&self, law: &ModifiedLaw<f64>) -> Vec<f64> {
+        let of = &self.series;
+        let mut state = law.rest_at(of.slip.first().copied().unwrap_or_default());
+        let mut force = vec![0.0; of.slip.len()];
+        for k in 1..of.slip.len() {
+            let step = Step {
+                slip: [of.slip[k - 1], of.slip[k]],
+                velocity: [of.velocity[k - 1], of.velocity[k]],
+                normal: [of.normal[k - 1], of.normal[k]],
+                dt: of.dt,
+            };
+            let (next, answered) = law.advance(state, &step, &self.circumstance);
+            state = next;
+            force[k] = answered;
+        }
+        force
+    }
+
+    /// Number of real residuals.
+    pub fn count(&self) -> usize {
+        2 * self.bins.len()
+    }
+
+    /// Recovered minus answered force over the standard deviations.
+    pub fn residual(&self, law: &ModifiedLaw<f64>, out: &mut [f64]) {
+        let answered = tapered(&self.answer(law));
+        for (pair, (k, deviation)) in out.chunks_mut(2).zip(&self.bins) {
+            let left = (self.measured[*k] - answered[*k]) / *deviation;
+            pair.copy_from_slice(&[left.re, left.im]);
+        }
+    }
+
+    /// χ² of a law.
+    pub fn cost(&self, law: &ModifiedLaw<f64>) -> f64 {
+        let mut left = vec![0.0; self.count()];
+        self.residual(law, &mut left);
+        let sum: f64 = left.iter().map(|r| r * r).sum();
+        if sum.is_finite() { sum } else { f64::MAX.sqrt() }
+    }
+
+    /// Relative RMS of recovered minus answered force in the bins compared.
+    pub fn error(&self, law: &ModifiedLaw<f64>) -> f64 {
+        let answered = tapered(&self.answer(law));
+        let sum = |of: &dyn Fn(usize) -> f64| self.bins.iter().map(|(k, _)| of(*k)).sum::<f64>();
+        let left = sum(&|k| (self.measured[k] - answered[k]).norm_sqr());
+        (left / sum(&|k| self.measured[k].norm_sqr()).max(f64::MIN_POSITIVE)).sqrt()
+    }
+}
+
+/// Bins of the record after its first tenth, under Hann's window of mean square one.
+fn tapered(x: &[f64]) -> Vec<Complex64> {
+    let kept = &x[(SETTLING * x.len() as f64) as usize..];
+    let n = kept.len() as f64;
+    let mean = kept.iter().sum::<f64>() / n.max(1.0);
+    let window =
+        |j: usize| (8.0_f64 / 3.0).sqrt() * 0.5 * (1.0 - (std::f64::consts::TAU * j as f64 / n).cos());
+    let tapered: Vec<f64> = kept.iter().enumerate().map(|(j, v)| (v - mean) * window(j)).collect();
+    spectrum(&tapered).iter().map(|z| z * (2.0 / n)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use frettrace_friction::effects::Hook;
+
+    /// A slip of two incommensurable tones, and the force of a law along it.
+    fn series(law: &ModifiedLaw<f64>) -> Series {
+        let dt = 1.0 / 2048.0;
+        let n = 4096;
+        let at = |k: usize| {
+            let t = k as f64 * dt;
+            let (a, b) = (2.0 * std::f64::consts::PI * 20.0, 2.0 * std::f64::consts::PI * 13.7);
+            let slip = 1e-4 * ((a * t).sin() + 0.6 * (b * t).cos());
+            (slip, 1e-4 * (a * (a * t).cos() - 0.6 * b * (b * t).sin()))
+        };
+        let (slip, velocity) = (0..n).map(at).unzip();
+        let mut found = Series {
+            dt,
+            slip,
+            velocity,
+            normal: vec![20.0; n],
+            force: vec![0.0; n],
+            deviation: vec![1e-4; n / 2],
+        };
+        let blank = SeriesContact {
+            series: found.clone(),
+            circumstance: Circumstance::default(),
+            bins: Vec::new(),
+            measured: Vec::new(),
+        };
+        found.force = blank.answer(law);
+        found
+    }
+
+    /// The law that made the force leaves nothing; one without its Stribeck rise of a half leaves more than a tenth of it,
+    /// however the run is not periodic.
+    #[test]
+    fn the_law_is_judged_without_a_period() {
+        let plain: ModifiedLaw<f64> = ModifiedLaw::dahl(4e4, 0.3);
+        let mut falling = plain;
+        falling.set(Hook::StribeckRise, 0.15);
+        falling.set(Hook::StribeckVelocity, 4e-3);
+        falling.set(Hook::StribeckExponent, 2.0);
+        let contact = SeriesContact::new(&series(&falling), 20.0, 0.0).unwrap();
+        assert!(contact.error(&falling) < 1e-9, "{}", contact.error(&falling));
+        assert!(contact.error(&plain) > 0.1, "{}", contact.error(&plain));
+        assert!(contact.cost(&plain) > 100.0 * contact.count() as f64);
+    }
+}
