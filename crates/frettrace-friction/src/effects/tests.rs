@@ -82,12 +82,13 @@ fn flow_power_one_is_the_plain_law() {
     }
 }
 
-/// Shapes of another laboratory at their neutral values change nothing.
+/// Shapes of another laboratory at their neutral values change nothing, beyond what another rule of integration does: a
+/// thousandth of a period in which the asymmetry passes zero, Runge-Kutta steps of a quarter in place of a tenth.
 #[test]
 fn neutral_shapes_change_nothing() {
     let neutral = [
         (vec![(Hook::Breakaway, 0.3)], Hook::BreakawayShape, 0.0, 2e-3),
-        (vec![(Hook::Asymmetry, 0.2)], Hook::AsymmetryVelocity, 1e-9, 1e-6),
+        (vec![(Hook::Asymmetry, 0.2)], Hook::AsymmetryVelocity, 1e-9, 1e-5),
         (vec![(Hook::NormalExponent, 0.3)], Hook::NormalCurvature, 0.0, 1e-12),
         (vec![(Hook::Position, 0.4)], Hook::PositionScale, 1e6, 1e-9),
         (vec![(Hook::Wear, 0.4)], Hook::WearExponent, 1.0, 1e-12),
