@@ -64,7 +64,7 @@ impl SeriesContact {
         let of = &self.series;
         let mut state = law.rest_at(of.slip.first().copied().unwrap_or_default());
         let mut force = vec![0.0; of.slip.len()];
-        for k in 1..of.slip.len() {
+        for (k, force) in force.iter_mut().enumerate().skip(1) {
             let step = Step {
                 slip: [of.slip[k - 1], of.slip[k]],
                 velocity: [of.velocity[k - 1], of.velocity[k]],
@@ -73,7 +73,7 @@ impl SeriesContact {
             };
             let (next, answered) = law.advance(state, &step, &self.circumstance);
             state = next;
-            force[k] = answered;
+            *force = answered;
         }
         force
     }

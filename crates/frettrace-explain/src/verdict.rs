@@ -108,6 +108,7 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
     let mut search = Search {
         study,
         refined: false,
+        coarse: None,
         before: Vec::new(),
         tried: Vec::new(),
         rivals: Vec::new(),
@@ -116,6 +117,7 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
     let mut baseline = search.baseline(setting)?;
     if !baseline.complete() && baseline.ratio < NEAR {
         baseline = search.further(baseline);
+        search.coarse = None;
     }
     search.before = search.errors_as_read(&baseline);
     let done = baseline.complete() && !search.series_open(&baseline);
@@ -127,6 +129,8 @@ struct Search<'a> {
     study: Study<'a>,
     /// Whether the study is on its finer grid.
     refined: bool,
+    /// The study on its plain grid, while it is not settled that the finer one stays.
+    coarse: Option<Study<'a>>,
     /// Errors of the declared model: training runs, then held-out runs where there are any.
     before: Vec<RunError>,
     tried: Vec<Tried>,
@@ -229,8 +233,10 @@ impl Search<'_> {
             if !before.effects.is_empty() && better.excess() > PROXY * before.excess() {
                 // It takes away a little of everything: a stand-in for what neither effect is.
                 self.rivals = rivals;
+                self.coarsened();
                 break;
             }
+            self.coarse = None;
             current = better;
             if current.complete() && current.effects.len() > 1 {
                 current = self.pruned(current, &before);
@@ -258,10 +264,18 @@ impl Search<'_> {
         let Ok(study) = self.study.refined() else { return current };
         match study.polished(&current) {
             Ok(better) if better.excess() < 0.7 * current.excess() => {
-                (self.study, self.refined) = (study, true);
+                self.coarse = Some(std::mem::replace(&mut self.study, study));
+                self.refined = true;
                 better
             }
             _ => current,
+        }
+    }
+
+    /// Back to the plain grid, where a model on the finer one is not kept.
+    fn coarsened(&mut self) {
+        if let Some(study) = self.coarse.take() {
+            (self.study, self.refined) = (study, false);
         }
     }
 
