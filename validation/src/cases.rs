@@ -2,6 +2,7 @@
 
 pub mod compare_splines;
 mod measured_contacts;
+mod validate_finite_element_rig;
 mod verify_beam_modes;
 mod verify_friction_loops;
 mod verify_memory_equation;
@@ -18,6 +19,7 @@ pub const ALL: &[Case] = &[
     verify_mode_hypotheses::CASE,
     verify_reconstruction_bands::CASE,
     compare_splines::CASE,
+    validate_finite_element_rig::CASE,
     measured_contacts::FRICTION_DAMPER,
     measured_contacts::TRIBOMETER,
     measured_contacts::PISTON_SEALS,
