@@ -9,6 +9,7 @@ mod exhibit;
 mod fitting;
 mod force_laws;
 mod records;
+pub mod records_explain;
 pub(crate) mod search;
 mod series_fit;
 mod shapes;

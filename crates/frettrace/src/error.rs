@@ -35,9 +35,12 @@ pub enum StudyError {
     /// Nothing can be explained.
     #[error(transparent)]
     Explain(#[from] frettrace_explain::ExplainError),
-    /// Contact records are not explained.
-    #[error("a contact record cannot be explained yet; give a measurement file of the rig")]
-    ContactRecord,
+    /// A contact record without a motion.
+    #[error("no run of the contact record holds {least} samples of a motion; record at least one stroke")]
+    NoStroke {
+        /// Fewest samples of a run that is used.
+        least: usize,
+    },
     /// A file cannot be written.
     #[error("{}: cannot be written: {source}; choose a folder that exists and may be written to", path.display())]
     Write {

@@ -1,5 +1,7 @@
 //! What the declared model lacks: the wiring of an explanation.
 
+mod contact_record;
+
 use crate::results::{
     BeforeAfter, Candidate, Effect, ErrorSummary, Estimate, Explanation, HeldOut, Identification,
     ModeEstimate, NoiseFloorSource, Place, Provenance, Structure, Verdict,
@@ -28,8 +30,9 @@ pub fn explain(
     options: &ExplainOptions,
     progress: &Progress,
 ) -> Result<Explanation, StudyError> {
-    let Recording::Measurement(measurement) = recording else {
-        return Err(StudyError::ContactRecord);
+    let measurement = match recording {
+        Recording::Measurement(measurement) => measurement,
+        Recording::Contact(record) => return contact_record::explain(record, options, progress),
     };
     progress.start(2, "lines");
     let mut case = case::case(measurement)?;

@@ -1,8 +1,8 @@
 //! The friction law behind a recording: accelerations of a beam, or motion and force of the contact itself.
 
 mod accelerations;
-mod contact_record;
-mod estimates;
+pub(crate) mod contact_record;
+pub(crate) mod estimates;
 
 use crate::results::Identification;
 use crate::{Progress, StudyError};

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Seed of the draws of slip noise.
-const SEED: u64 = 1;
+pub(crate) const SEED: u64 = 1;
 
 /// A record ready to be fitted.
 struct Prepared {
@@ -110,23 +110,33 @@ fn prepare(record: &ContactRecord) -> Prepared {
 }
 
 /// Names of the parts of a run that is split.
-const PARTS: [&str; 2] = ["first two thirds of its cycles", "last third of its cycles"];
+pub(crate) const PARTS: [&str; 2] = ["first two thirds of its cycles", "last third of its cycles"];
 
-/// Which runs are held out: one in four, in the inner levels of amplitude; none where there are fewer than four.
-fn held_out(runs: &[PreparedRun]) -> Vec<bool> {
+/// Which runs are held out: one in four, in the inner levels of amplitude, or of load or speed where amplitudes are
+/// alike; none where there are fewer than four.
+pub(crate) fn held_out(runs: &[PreparedRun]) -> Vec<bool> {
     let mut held = vec![false; runs.len()];
     if runs.len() < 4 {
         return held;
     }
+    let levels: [fn(&ContactHistory) -> f64; 3] =
+        [ContactHistory::amplitude, ContactHistory::mean_normal, ContactHistory::top_speed];
+    // A twentieth is what the amplitude of one drive may scatter by.
+    let varies = |level: &fn(&ContactHistory) -> f64| {
+        let of = runs.iter().map(|run| level(&run.history));
+        let (low, high) = of.fold((f64::INFINITY, 0.0), |(a, b), x| (f64::min(a, x), f64::max(b, x)));
+        high > 1.05 * low
+    };
+    let level = levels.into_iter().find(varies).unwrap_or(levels[0]);
     let mut order: Vec<usize> = (0..runs.len()).collect();
-    order.sort_by(|a, b| runs[*a].history.amplitude().total_cmp(&runs[*b].history.amplitude()));
+    order.sort_by(|a, b| level(&runs[*a].history).total_cmp(&level(&runs[*b].history)));
     for place in (2..runs.len() - 1).step_by(4) {
         held[order[place]] = true;
     }
     held
 }
 
-fn raw(run: &ContactRun, newtons: bool) -> RawRun<'_> {
+pub(crate) fn raw(run: &ContactRun, newtons: bool) -> RawRun<'_> {
     RawRun {
         label: &run.label,
         time: &run.time,
@@ -141,7 +151,7 @@ fn raw(run: &ContactRun, newtons: bool) -> RawRun<'_> {
 }
 
 /// Whether the normal force is unknown in some run, so that the laws are in newtons.
-fn in_newtons(record: &ContactRecord) -> bool {
+pub(crate) fn in_newtons(record: &ContactRecord) -> bool {
     record.runs.iter().any(|run| run.preload.is_none() && run.normal_force.is_none())
 }
 
@@ -217,7 +227,7 @@ fn described(record: &ContactRecord, fit: &ContactFit, prepared: &Prepared) -> I
 
 /// Name and unit of a parameter in the result: in newtons where the normal force is unknown, in radians where the
 /// contact turns.
-fn published(name: &str, unit: &str, (newtons, slip): (bool, SlipUnit)) -> (String, String) {
+pub(crate) fn published(name: &str, unit: &str, (newtons, slip): (bool, SlipUnit)) -> (String, String) {
     let (name, unit) = match (name, newtons) {
         ("mu_k", true) => ("friction_level", "N"),
         ("mu_s", true) => ("static_friction_level", "N"),

@@ -4,7 +4,7 @@ use crate::results::Estimate;
 use frettrace_identify::{Identifiability, IdentifiedParameter};
 
 /// A parameter of the result; one that is not identified has an open interval.
-pub(super) fn estimate(parameter: &IdentifiedParameter) -> Estimate {
+pub(crate) fn estimate(parameter: &IdentifiedParameter) -> Estimate {
     let (low, high) = parameter.interval95.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
     Estimate {
         value: parameter.value,

@@ -198,11 +198,26 @@ fn energy(found: &Explanation) -> String {
     if rows.is_empty() {
         return rows;
     }
+    let force = if is_contact_record(found) { "measured" } else { "recovered" };
     format!(
         "<h2>Energy per cycle</h2>\n<p class=\"faint\">What friction takes out of the motion in one period [mJ]: wear \
-         follows it.</p>\n<div class=\"scroll\"><table>\n<tr><th>run</th><th></th><th>recovered</th>\
+         follows it.</p>\n<div class=\"scroll\"><table>\n<tr><th>run</th><th></th><th>{force}</th>\
          <th>declared model</th><th>with the effects</th></tr>\n{rows}</table></div>\n"
     )
+}
+
+/// What the measurement cannot show, whatever was found.
+fn unseen(found: &Explanation) -> &'static str {
+    if is_contact_record(found) {
+        "The force is predicted from the motion alone; a constant part of it may be the load cell's or the contact's."
+    } else {
+        "Mean friction, preload and a constant offset cannot be seen by accelerometers; nothing is said about them."
+    }
+}
+
+/// Whether motion and force were measured in the contact itself.
+fn is_contact_record(found: &Explanation) -> bool {
+    found.baseline.error.force.is_some() && found.baseline.error.acceleration.is_none()
 }
 
 fn notes(found: &Explanation) -> String {
@@ -210,9 +225,9 @@ fn notes(found: &Explanation) -> String {
     let held_out = found.held_out.as_ref().map_or(String::new(), |error| error.runs.join(", "));
     format!(
         "<h2>What this rests on</h2>\n<ul>\n{items}<li>Held-out runs, chosen before anything was fitted: {}</li>\n\
-         <li>Mean friction, preload and a constant offset cannot be seen by accelerometers; nothing is said about \
-         them.</li>\n</ul>\n<footer>frettrace {}, seed {}</footer>\n",
+         <li>{}</li>\n</ul>\n<footer>frettrace {}, seed {}</footer>\n",
         escape(if held_out.is_empty() { "none" } else { &held_out }),
+        unseen(found),
         escape(&found.provenance.version),
         found.provenance.seed
     )

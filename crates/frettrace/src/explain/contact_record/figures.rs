@@ -1,0 +1,167 @@
+//! What the report draws of a contact record: loops and signals of two strokes, and what the residual depends on.
+
+use super::Parts;
+use crate::results::{ContactCurve, ContactLoop, Exhibits, ResidualShape, Waveform};
+use frettrace_explain::records_explain::{RecordOutcome, RecordRun, strokes};
+use frettrace_measurement::{ContactRecord, SlipUnit};
+use std::ops::Range;
+
+/// Points of a curve: as many as a drawing shows.
+const POINTS: usize = 400;
+/// Bins of a residual's shape.
+const BINS: usize = 24;
+/// Most runs that are drawn.
+const MOST_RUNS: usize = 12;
+
+/// One run with both residuals, from its first sample that counts.
+struct Shown<'a> {
+    run: &'a RecordRun,
+    part: &'a super::Part,
+    held_out: bool,
+    residual: [&'a [f64]; 2],
+    first: usize,
+}
+
+/// Loops and signals of every run, residuals against what may drive them.
+pub(super) fn exhibits(record: &ContactRecord, parts: &Parts, outcome: &RecordOutcome) -> Exhibits {
+    let unit = if record.slip_unit == SlipUnit::Radian { "rad" } else { "m" };
+    let sides =
+        [(&parts.case.training, &parts.training, false), (&parts.case.held_out, &parts.held_out, true)];
+    let mut shown = Vec::new();
+    for (runs, names, held_out) in sides {
+        let [before, after] = [&outcome.baseline, &outcome.model]
+            .map(|fit| if held_out { &fit.held_out } else { &fit.training });
+        for (k, (run, part)) in runs.iter().zip(names).enumerate() {
+            let residual = [before[k].as_slice(), after[k].as_slice()];
+            let first = run.history.len() - residual[0].len();
+            shown.push(Shown { run, part, held_out, residual, first });
+        }
+    }
+    let drawn = || shown.iter().filter(|s| s.held_out).chain(shown.iter().filter(|s| !s.held_out));
+    Exhibits {
+        loops: drawn().take(MOST_RUNS).map(|s| contact_loop(s, unit)).collect(),
+        waveforms: drawn().filter(|s| s.held_out).take(MOST_RUNS).map(waveform).collect(),
+        residual: shapes(&shown, outcome, unit),
+    }
+}
+
+/// Samples of the first two whole strokes that count, thinned, and whether there are two: a closed loop.
+fn window(shown: &Shown<'_>) -> (Vec<usize>, bool) {
+    let slip = &shown.run.history.slip;
+    let whole: Vec<Range<usize>> = strokes(slip).into_iter().filter(|s| s.start >= shown.first).collect();
+    let (range, closed) = match &whole[..] {
+        [first, second, ..] => (first.start..second.end + 1, true),
+        _ => (shown.first..slip.len(), false),
+    };
+    let stride = range.len().div_ceil(POINTS).max(1);
+    (range.step_by(stride).collect(), closed)
+}
+
+/// `∮ F du` of a loop whose last point joins its first.
+fn energy(slip: &[f64], force: &[f64]) -> f64 {
+    let next = |x: &[f64], k: usize| x[(k + 1) % x.len()];
+    (0..slip.len()).map(|k| 0.5 * (force[k] + next(force, k)) * (next(slip, k) - slip[k])).sum()
+}
+
+fn modelled(shown: &Shown<'_>, side: usize, samples: &[usize]) -> Vec<f64> {
+    let force = &shown.run.history.force;
+    samples.iter().map(|k| rounded(force[*k] - shown.residual[side][k - shown.first])).collect()
+}
+
+fn contact_loop(shown: &Shown<'_>, unit: &str) -> ContactLoop {
+    let (samples, closed) = window(shown);
+    let history = &shown.run.history;
+    let pick = |x: &[f64]| samples.iter().map(|k| rounded(x[*k])).collect::<Vec<_>>();
+    let curve = |force: Vec<f64>| {
+        let slip = pick(&history.slip);
+        ContactCurve {
+            energy_per_cycle_j: if closed { rounded(energy(&slip, &force)) } else { f64::NAN },
+            slip_velocity: pick(&history.velocity),
+            slip,
+            force,
+        }
+    };
+    ContactLoop {
+        run: shown.part.id.clone(),
+        label: shown.part.label.clone(),
+        held_out: shown.held_out,
+        slip_unit: unit.to_owned(),
+        measured: curve(pick(&history.force)),
+        before: curve(modelled(shown, 0, &samples)),
+        after: curve(modelled(shown, 1, &samples)),
+    }
+}
+
+fn waveform(shown: &Shown<'_>) -> Waveform {
+    let (samples, _) = window(shown);
+    let history = &shown.run.history;
+    Waveform {
+        run: shown.part.id.clone(),
+        label: shown.part.label.clone(),
+        held_out: shown.held_out,
+        channel: "force [N]".to_owned(),
+        time: samples.iter().map(|k| rounded(history.time[*k])).collect(),
+        measured: samples.iter().map(|k| rounded(history.force[*k])).collect(),
+        before: modelled(shown, 0, &samples),
+        after: modelled(shown, 1, &samples),
+    }
+}
+
+/// Residuals in units of the floor against slip, velocity, acceleration, normal force, and the course of the record.
+fn shapes(shown: &[Shown<'_>], outcome: &RecordOutcome, unit: &str) -> Vec<ResidualShape> {
+    type Of = fn(&RecordRun, usize) -> f64;
+    let against: [(&str, String, Of); 5] = [
+        ("slip", unit.to_owned(), |run, k| run.history.slip[k]),
+        ("slip velocity", format!("{unit}/s"), |run, k| run.history.velocity[k]),
+        ("slip acceleration", format!("{unit}/s^2"), |run, k| {
+            run.history.acceleration.as_ref().map_or(0.0, |a| a[k])
+        }),
+        ("normal force", "N".to_owned(), |run, k| run.history.normal[k]),
+        ("course of the record", "1".to_owned(), |run, k| {
+            run.progress[0] + (run.progress[1] - run.progress[0]) * k as f64 / run.history.len() as f64
+        }),
+    ];
+    let floor = outcome.floor[0].max(f64::MIN_POSITIVE);
+    against.into_iter().filter_map(|(name, unit, of)| shape(shown, (name, unit), (of, floor))).collect()
+}
+
+fn shape(
+    shown: &[Shown<'_>],
+    (against, unit): (&str, String),
+    (of, floor): (fn(&RecordRun, usize) -> f64, f64),
+) -> Option<ResidualShape> {
+    let points = || {
+        shown.iter().flat_map(|s| {
+            (s.first..s.run.history.len())
+                .map(move |k| (of(s.run, k), s.residual.map(|residual| residual[k - s.first])))
+        })
+    };
+    let (low, high) =
+        points().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (x, _)| (a.min(x), b.max(x)));
+    if (high - low).partial_cmp(&(1e-9 * high.abs())) != Some(std::cmp::Ordering::Greater) {
+        return None;
+    }
+    let mut bins = vec![([0.0; 2], 0.0); BINS];
+    for (x, residual) in points() {
+        let place = (((x - low) / (high - low) * BINS as f64) as usize).min(BINS - 1);
+        bins[place].1 += 1.0;
+        for (sum, r) in bins[place].0.iter_mut().zip(residual) {
+            *sum += r * r;
+        }
+    }
+    let filled = || bins.iter().enumerate().filter(|(_, bin)| bin.1 > 0.0);
+    let of_side =
+        |side: usize| filled().map(|(_, bin)| rounded((bin.0[side] / bin.1).sqrt() / floor)).collect();
+    Some(ResidualShape {
+        against: against.to_owned(),
+        unit,
+        centre: filled().map(|(k, _)| rounded(low + (high - low) * (k as f64 + 0.5) / BINS as f64)).collect(),
+        before: of_side(0),
+        after: of_side(1),
+    })
+}
+
+/// Six significant digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
