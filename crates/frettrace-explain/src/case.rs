@@ -119,6 +119,7 @@ impl Case {
             frequency: self.modes.frequency.clone(),
             damping: self.modes.damping.clone(),
             law,
+            rigid: self.law.is_static(),
             modulation: 1,
             ports: Vec::new(),
             mass: None,

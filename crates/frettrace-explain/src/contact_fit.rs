@@ -1,7 +1,8 @@
 //! The law on recovered motion: the contact without the structure around it.
 //!
 //! Residuals are recovered minus answered force lines over `σ_F·|1 + σ0 N R|`: an error of the recovered force moves the
-//! recovered slip by `R` times as much, and that moves the law's answer by its stiffness.
+//! recovered slip by `R` times as much, and that moves the law's answer by its stiffness. A law without a presliding range
+//! answers by its limit and, where it sticks, by the recovered force itself: what is left there is the velocity.
 
 use crate::series_fit::SeriesContact;
 use frettrace_forward::accelerations::{AccelerationError, AccelerationModel, Balance};
@@ -20,6 +21,9 @@ pub(crate) struct Recovered {
     pub normal: Vec<f64>,
     pub force: Vec<Complex64>,
     pub deviation: Vec<f64>,
+    /// Recovered force with the velocity's share, which a rigid contact takes as long as it holds; empty where the contact
+    /// yields.
+    trial: Vec<f64>,
     grid: Grid,
     dt: f64,
     preload: f64,
@@ -31,12 +35,27 @@ const LINES: usize = 24;
 /// Relative accuracy of a recovered force line: what is left of the structure's errors.
 const RELATIVE_ACCURACY: f64 = 3e-4;
 
+/// How a law answers to recovered motion.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Answer {
+    /// By the stiffness (N/m) of its presliding range.
+    Yielding(f64),
+    /// Set-valued at rest: where it sticks it takes the recovered force.
+    Rigid,
+}
+
+/// Mean impedance of the structure at the contact (N·s/m).
+fn resistance(balance: &Balance, omega: f64, order: usize) -> f64 {
+    let impedance = |h: usize| -(balance.slip_gain[h].norm() * h as f64 * omega).ln();
+    ((1..=order).map(impedance).sum::<f64>() / order.max(1) as f64).exp()
+}
+
 impl Recovered {
     pub fn new(
         model: &AccelerationModel,
         (run, subharmonic): (usize, usize),
         balance: &Balance,
-        stiffness: f64,
+        answer: Answer,
     ) -> Result<Self, GridError> {
         let lines = &model.runs[run];
         let order = lines.order().min(LINES * subharmonic);
@@ -60,10 +79,24 @@ impl Recovered {
             0.0
         };
         let normal = end.iter().map(|w| lines.preload - stiffness_of_end * w).collect();
+        let resistance = match answer {
+            Answer::Rigid => resistance(balance, lines.omega, order),
+            Answer::Yielding(_) => 0.0,
+        };
+        let mut trial = Vec::new();
+        if matches!(answer, Answer::Rigid) {
+            trial = sampled(&|h| balance.force[h]);
+            trial.iter_mut().zip(&velocity).for_each(|(trial, v)| *trial += resistance * v);
+        }
         let peak = balance.force.iter().map(|f| f.norm()).fold(0.0, f64::max);
         let deviation = (0..=order)
             .map(|h| {
-                let answer = 1.0 + balance.slip_gain[h] * stiffness;
+                let answer = match answer {
+                    Answer::Yielding(stiffness) => 1.0 + balance.slip_gain[h] * stiffness,
+                    Answer::Rigid => {
+                        1.0 + balance.slip_gain[h] * Complex64::new(0.0, resistance * h as f64 * lines.omega)
+                    }
+                };
                 (balance.force_deviation[h] * answer.norm())
                     .hypot(RELATIVE_ACCURACY * peak / (1.0 + h as f64))
             })
@@ -75,6 +108,7 @@ impl Recovered {
             normal,
             force: balance.force[..=order].to_vec(),
             deviation,
+            trial,
             grid,
             dt,
             preload: lines.preload,
@@ -97,6 +131,7 @@ impl Recovered {
 
     /// Force of the law over the settled period.
     pub fn answer(&self, law: &ModifiedLaw<f64>, modulation: usize) -> Vec<f64> {
+        let rigid = !self.trial.is_empty() && !law.yields();
         let samples = self.slip.len();
         let modulation = law.get(Hook::ModulationCosine).map(|_| modulation);
         let step = |k: usize| {
@@ -119,7 +154,12 @@ impl Recovered {
         for _ in 0..6 {
             let before: ModifiedState<f64> = state;
             for k in 0..samples {
-                let (next, f) = law.advance(state, &step(k), &self.circumstance(k, modulation));
+                let circumstance = self.circumstance(k, modulation);
+                let (next, f) = if rigid {
+                    law.advance_rigid(state, &step(k), (self.trial[(k + 1) % samples], &circumstance))
+                } else {
+                    law.advance(state, &step(k), &circumstance)
+                };
                 state = next;
                 force[(k + 1) % samples] = f;
             }
@@ -246,7 +286,6 @@ pub(crate) fn recover(
     model: &AccelerationModel,
     setting: &frettrace_forward::accelerations::Setting,
     selected: &[(usize, usize)],
-    sigma0: f64,
 ) -> Result<Vec<Recovered>, AccelerationError> {
     let runs: Vec<usize> = selected.iter().map(|s| s.0).collect();
     let balances = model.balance(setting, &runs)?;
@@ -254,8 +293,10 @@ pub(crate) fn recover(
         .iter()
         .zip(&balances)
         .map(|(&run, balance)| {
-            let stiffness = sigma0 * model.runs[run.0].preload;
-            Ok(Recovered::new(model, run, balance, stiffness)?)
+            let sigma0 = setting.law.get(Hook::Sigma0).unwrap_or(1e5);
+            let yielding = Answer::Yielding(sigma0 * model.runs[run.0].preload);
+            let answer = if setting.rigid { Answer::Rigid } else { yielding };
+            Ok(Recovered::new(model, run, balance, answer)?)
         })
         .collect()
 }

@@ -27,9 +27,6 @@ const SUFFICIENT: f64 = 1.2;
 /// … and no more than this share of the declared model's excess is left: model errors of other rigs are of that size.
 const REST: f64 = 0.01;
 
-/// Steps of three by which a contact is stiffened at most: five powers of ten.
-const STIFFER: usize = 10;
-
 /// A law on recovered contacts, with what it costs.
 #[derive(Clone)]
 pub(crate) struct ContactCandidate {
@@ -138,25 +135,6 @@ fn starts(law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ModifiedLaw<f64>> {
 }
 
 impl Study<'_> {
-    /// A stiffer law, step by step, while it comes nearer to the data: a law without memory is the limit.
-    pub(crate) fn stiffened(&self, from: Explained) -> Explained {
-        let few: Vec<Unknown> =
-            self.case.unknowns().into_iter().filter(|u| matches!(u.quantity, Quantity::Law(_))).collect();
-        let mut best = from;
-        for _ in 0..STIFFER {
-            let mut setting = best.fitted.setting.clone();
-            let stiffness = setting.law.get(Hook::Sigma0).unwrap_or(1.0);
-            setting.law.set(Hook::Sigma0, 3.0 * stiffness);
-            let Ok(found) = self.fit(setting, &few, &best.fitted.memory, 4) else { break };
-            let found = self.judged(found, Vec::new(), Vec::new());
-            if found.ratio > 0.97 * best.ratio {
-                break;
-            }
-            best = found;
-        }
-        best
-    }
-
     /// Fits a model of the whole rig: the law first, then everything where the law comes near.
     pub(crate) fn whole(
         &self,
@@ -248,8 +226,7 @@ impl Study<'_> {
     pub(crate) fn recovered(&self, setting: &Setting) -> Result<Contacts, ExplainError> {
         let selected: Vec<(usize, usize)> =
             self.training.iter().map(|&run| (run, self.case.records[run].subharmonic)).collect();
-        let sigma0 = setting.law.get(Hook::Sigma0).unwrap_or(1e5);
-        let periodic = recover(&self.model, setting, &selected, sigma0)?;
+        let periodic = recover(&self.model, setting, &selected)?;
         Ok(Contacts { periodic, series: self.series.iter().map(|(_, contact)| contact.clone()).collect() })
     }
 
@@ -294,10 +271,11 @@ impl Study<'_> {
             }
         }
         let unknowns = merge(law_unknowns, &added);
+        let rigid = setting.rigid && !law.yields();
         let (hooks, parameters): (Vec<Hook>, Vec<Parameter>) = unknowns
             .iter()
             .filter_map(|u| match u.quantity {
-                Quantity::Law(hook) => Some((hook, u.parameter.clone())),
+                Quantity::Law(hook) if !(rigid && hook == Hook::Sigma0) => Some((hook, u.parameter.clone())),
                 _ => None,
             })
             .unzip();

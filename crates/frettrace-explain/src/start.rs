@@ -82,14 +82,21 @@ pub(crate) fn law(family: Family, histories: &[ContactHistory]) -> ModifiedLaw<f
         family.law(&fit(&model, &values, &settings).map_or(values, |found| found.values))
     };
     if family.is_static() {
-        // A memoryless law is the limit of a stiff bristle: a fiftieth of the smallest slip of the runs that slide. A run that
-        // sticks has a slip of nothing but noise.
-        let slides = |h: &&ContactHistory| peak(&h.force) > 0.8 * guess.mu * h.mean_normal();
+        let level = level(histories);
+        let total =
+            law.get(Hook::MuKinetic).unwrap_or_default() + law.get(Hook::StribeckRise).unwrap_or_default();
+        // Runs that stick have no slip but noise, and a fit to that may have any friction coefficient.
+        if !(0.5 * level..=1.5 * level).contains(&total) {
+            law.set(Hook::MuKinetic, level);
+        }
+        // A stiffness is needed only where the law is marched along a recovered slip, which has noise where it sticks: a
+        // fiftieth of the smallest slip of the runs that slide.
+        let slides = |h: &&ContactHistory| peak(&h.force) > 0.8 * level * h.mean_normal();
         let reach =
             histories.iter().filter(slides).map(ContactHistory::amplitude).fold(f64::INFINITY, f64::min);
         let widest = histories.iter().map(ContactHistory::amplitude).fold(0.0, f64::max);
         let reach = if reach.is_finite() { reach.max(0.02 * widest) } else { widest };
-        law.set(Hook::Sigma0, 50.0 * guess.mu / reach.max(1e-12));
+        law.set(Hook::Sigma0, 50.0 * level / reach.max(1e-12));
     }
     // Starts in the open interior of what the fit admits.
     for (hook, least) in [(Hook::StribeckRise, 1e-3 * guess.mu), (Hook::StribeckVelocity, 1e-3 * guess.speed)]
@@ -115,6 +122,23 @@ pub(crate) fn scales(case: &Case, histories: &[ContactHistory]) -> Scales {
         mass: case.rig.beam.mass_per_length * case.rig.beam.length,
         subharmonic: first.map_or(1, |r| r.subharmonic),
     }
+}
+
+/// Level of `|F|/N` where the widest loop slides: the mean over the samples of at least half its top speed.
+fn level(histories: &[ContactHistory]) -> f64 {
+    let Some(widest) = histories.iter().max_by(|a, b| a.amplitude().total_cmp(&b.amplitude())) else {
+        return 1.0;
+    };
+    let fast = 0.5 * widest.top_speed();
+    let least = 0.1 * widest.mean_normal();
+    let (mut sum, mut count) = (0.0, 0.0);
+    for ((force, v), normal) in widest.force.iter().zip(&widest.velocity).zip(&widest.normal) {
+        if v.abs() >= fast && *normal > least {
+            sum += force.abs() / normal;
+            count += 1.0;
+        }
+    }
+    (sum / f64::max(count, 1.0)).max(1e-6)
 }
 
 fn mean_preload(case: &Case) -> f64 {

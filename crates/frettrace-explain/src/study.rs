@@ -3,11 +3,11 @@
 use crate::case::Scales;
 use crate::series_fit::SeriesContact;
 use crate::start;
-use crate::{AccelerationFit, Case, Clipped, Unknown};
+use crate::{AccelerationFit, Case, Clipped, RunRecord, Unknown};
 use frettrace_forward::accelerations::{
-    AccelerationError, AccelerationModel, Memory, Prediction, Quantity, Setting,
+    AccelerationError, AccelerationModel, Memory, Prediction, Quantity, RunLines, Setting,
 };
-use frettrace_friction::effects::ModifiedLaw;
+use frettrace_friction::effects::{Hook, ModifiedLaw};
 use frettrace_identify::{Fit, FitSettings, IdentifyError, Model, fit};
 use nalgebra::DMatrix;
 use std::sync::Arc;
@@ -108,7 +108,7 @@ impl<'a> Study<'a> {
         }
         let held_out = held_out(case, &periodic);
         let training: Vec<usize> = periodic.into_iter().filter(|k| !held_out.contains(k)).collect();
-        let lines = case.records.iter().map(|r| r.lines.clone()).collect();
+        let lines = case.records.iter().map(|r| model_lines(case, r)).collect();
         let model = AccelerationModel::new(case.rig.clone(), lines)?;
         let blank = case.setting(ModifiedLaw::dahl(1.0, 1.0));
         let histories = start::histories(case, &model, &blank, &training)?;
@@ -135,8 +135,11 @@ impl<'a> Study<'a> {
         warm: &Memory,
         most: usize,
     ) -> Result<Fitted, ExplainError> {
+        // The stiffness of a rigid contact is no part of the model.
+        let idle = |u: &Unknown| setting.holds_rigidly() && u.quantity == Quantity::Law(Hook::Sigma0);
+        let unknowns: Vec<Unknown> = unknowns.iter().filter(|u| !idle(u)).cloned().collect();
         let problem =
-            AccelerationFit::new(&self.model, setting, unknowns, self.training.clone(), warm.clone());
+            AccelerationFit::new(&self.model, setting, &unknowns, self.training.clone(), warm.clone());
         let settings = FitSettings {
             max_iterations: most,
             relative_tolerance: 3e-4,
@@ -149,7 +152,7 @@ impl<'a> Study<'a> {
         // Warm starts for what comes next; a run that does not balance keeps none.
         let _ = self.model.predict(&setting, &self.training, &mut memory);
         let deviation = deviations(&problem, &found, &memory);
-        Ok(Fitted { setting, unknowns: unknowns.to_vec(), fit: found, memory, deviation })
+        Ok(Fitted { setting, unknowns, fit: found, memory, deviation })
     }
 
     /// The same study on a finer phase grid with twice the lines of contact force: kinks that a law with play, stops or a
@@ -290,6 +293,24 @@ impl<'a> Study<'a> {
             count: sum.count + e.count,
         })
     }
+}
+
+/// Lines of the excitation that the force of a rigid contact gets at least, …
+const RIGID_LINES: usize = 64;
+/// … and at most.
+const MOST_RIGID_LINES: usize = 400;
+
+/// Lines of a run for the model. The force of a contact that is set-valued at rest has kinks however little of them the
+/// sensors show: it gets twice the lines of one that yields.
+fn model_lines(case: &Case, record: &RunRecord) -> RunLines {
+    let mut lines = record.lines.clone();
+    if case.law.is_static() {
+        let most = (MOST_RIGID_LINES * record.subharmonic).max(lines.contact_order);
+        let least = RIGID_LINES * record.subharmonic;
+        lines.contact_order = (2 * lines.contact_order).max(least).min(most);
+        lines.samples = (8 * lines.contact_order).next_power_of_two().clamp(lines.samples, 4096);
+    }
+    lines
 }
 
 /// Standard deviations from the Gauss-Newton curvature with the priors; NaN where it is singular.

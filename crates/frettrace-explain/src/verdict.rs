@@ -168,12 +168,7 @@ impl Search<'_> {
             let stiffness = setting.law.get(Hook::Sigma0).unwrap_or(1.0);
             setting.law.set(Hook::Sigma0, softer * stiffness);
             if let Ok(found) = self.study.whole(setting, &unknowns, (Vec::new(), Vec::new()), steps) {
-                let far = found.ratio > NEAR;
-                return Ok(if far && self.study.case.law.is_static() {
-                    self.study.stiffened(found)
-                } else {
-                    found
-                });
+                return Ok(found);
             }
         }
         // A declared model without a steady answer is still a model: it explains nothing.

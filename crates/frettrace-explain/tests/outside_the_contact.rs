@@ -17,6 +17,7 @@ use frettrace_forward::simulate::{
     SimulatedSensor, Slip, simulate,
 };
 use frettrace_friction::Law;
+use frettrace_friction::effects::Hook;
 use frettrace_identify::contact::Family;
 
 const LENGTH: f64 = 0.5;
@@ -144,6 +145,33 @@ fn nothing_is_missed_where_nothing_is_missing() {
     let outcome = explained(&rig(), &[]);
     assert_eq!(outcome.verdict, Verdict::NothingMissing, "{:?}", outcome.effects);
     assert!(outcome.place.is_none());
+}
+
+/// The same rig under another law, everything else as declared.
+fn clean(family: Family, law: Law, values: &[(&str, f64)]) -> Outcome {
+    let parameters: BTreeMap<String, f64> = values.iter().map(|(n, v)| ((*n).to_owned(), *v)).collect();
+    let mut rig = rig();
+    rig.law = SimulatedLaw::Declared(law.with_named(&parameters).unwrap());
+    let mut case = declared(&rig, &measured(&rig, &LEVELS));
+    case.law = family;
+    explain(&case).unwrap()
+}
+
+/// Friction that is set-valued at rest is fitted as such: it sticks throughout at the lowest level and slides at the others.
+/// The march places a jump within a step of its 32 a sample, 1e-4 of a period: μ to 2e-3.
+#[test]
+fn coulomb_friction_needs_no_effect_to_be_met() {
+    let outcome = clean(Family::Coulomb, Law::Coulomb, &[("mu_k", 0.25)]);
+    assert_eq!(outcome.verdict, Verdict::NothingMissing, "{:?}", outcome.effects);
+    let found = outcome.model.fitted.setting.law.get(Hook::MuKinetic).unwrap();
+    assert!((found / 0.25 - 1.0).abs() < 2e-3, "{found}");
+}
+
+/// A bristle whose range is a thousandth of the slip answers on all lines of the balance.
+#[test]
+fn a_stiff_bristle_is_met() {
+    let outcome = clean(Family::Dahl, Law::Dahl, &[("sigma0", 2e7), ("mu_k", 0.25), ("exponent", 1.0)]);
+    assert_eq!(outcome.verdict, Verdict::NothingMissing, "{:?}", outcome.effects);
 }
 
 #[test]

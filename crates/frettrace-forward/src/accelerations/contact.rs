@@ -9,6 +9,8 @@ pub(super) struct Motion {
     pub slip: Vec<f64>,
     pub velocity: Vec<f64>,
     pub normal: Vec<f64>,
+    /// Force that a rigid contact takes as long as it holds; empty where the contact yields.
+    pub trial: Vec<f64>,
 }
 
 /// The law in the circumstances of a run.
@@ -25,13 +27,13 @@ pub(super) struct Contact<'a> {
 
 /// States that a law may use, and the motion of a step, as directions of differentiation.
 pub(super) const STATES: usize = 4;
-const MOTIONS: usize = 6;
+const MOTIONS: usize = 7;
 /// Law parameters differentiated at once.
 pub(super) const PARAMETERS: usize = 14;
 const WIDTH: usize = STATES + MOTIONS + PARAMETERS;
 type Dual = Gradient<WIDTH>;
 
-/// Derivatives of one step: of new states and force by old states, motion `(u₀, u₁, v₀, v₁, N₀, N₁)` and parameters.
+/// Derivatives of one step: of new states and force by old states, motion `(u₀, u₁, v₀, v₁, N₀, N₁)`, held force and parameters.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Local {
     pub state: [[f64; WIDTH]; STATES],
@@ -40,6 +42,7 @@ pub(super) struct Local {
 
 impl Local {
     pub const MOTION: usize = STATES;
+    pub const TRIAL: usize = STATES + 6;
     pub const PARAMETER: usize = STATES + MOTIONS;
 }
 
@@ -82,13 +85,19 @@ impl Contact<'_> {
             dt: self.dt,
         };
         let circumstance = self.circumstance(samples - 1, samples);
-        let (mut state, _) = self.law.advance(self.law.rest_at(0.0), &virgin, &circumstance);
+        let advance = |state, step: &Step<f64>, k: usize| match motion.trial.get((k + 1) % samples) {
+            Some(&trial) => self.law.advance_rigid(state, step, (trial, &self.circumstance(k, samples))),
+            None => self.law.advance(state, step, &self.circumstance(k, samples)),
+        };
+        let mut state = self.law.rest_at(0.0);
+        if motion.trial.is_empty() {
+            (state, _) = self.law.advance(state, &virgin, &circumstance);
+        }
         let mut before: Option<[f64; STATES]> = None;
         for _ in 0..12 {
             let old = state.0;
             for k in 0..samples {
-                let (next, f) =
-                    self.law.advance(state, &self.step(motion, k), &self.circumstance(k, samples));
+                let (next, f) = advance(state, &self.step(motion, k), k);
                 state = next;
                 force[(k + 1) % samples] = f;
             }
@@ -138,7 +147,11 @@ impl Contact<'_> {
                 normal: pair(Local::MOTION + 4, plain.normal),
                 dt: self.dt,
             };
-            let (next, force) = law.advance(state, &step, &self.circumstance(k, samples));
+            let circumstance = self.circumstance(k, samples);
+            let (next, force) = match motion.trial.get((k + 1) % samples) {
+                Some(&trial) => law.advance_rigid(state, &step, (seed(trial, Local::TRIAL), &circumstance)),
+                None => law.advance(state, &step, &circumstance),
+            };
             values = next.0.map(|s| s.re);
             locals.push(Local { state: std::array::from_fn(|i| next.0[i].slopes), force: force.slopes });
         }

@@ -1,7 +1,7 @@
 //! Linearisation of one run: what the laws answer to a change of forces, motions or parameters.
 
 use super::contact::{Local, PARAMETERS, STATES};
-use super::run::{Evaluation, State, store, velocity};
+use super::run::{Evaluation, LEAK, State, store, velocity};
 use super::setting::PortPlace;
 use frettrace_fourier::GridScratch;
 use frettrace_friction::effects::Hook;
@@ -12,6 +12,8 @@ use num_complex::Complex64;
 pub(super) struct Direction {
     pub slip: Vec<f64>,
     pub velocity: Vec<f64>,
+    /// Change of the force that a rigid contact takes as long as it holds.
+    pub trial: Vec<f64>,
     /// Change of the support's force from the motion of the end.
     pub support: Vec<f64>,
     pub ports: Vec<[Vec<f64>; 2]>,
@@ -68,6 +70,10 @@ impl<'a> Tangent<'a> {
         let speed = velocity(&slip, e.lines.omega);
         let mut direction =
             Direction { slip: sampled(&slip), velocity: sampled(&speed), ..Direction::default() };
+        if e.rigid() {
+            let resistance = e.resistance();
+            direction.trial = direction.velocity.iter().map(|v| v * resistance).collect();
+        }
         if e.support_stiffness > 0.0 && e.rotation {
             direction.support = sampled(&row(1));
             direction.support.iter_mut().for_each(|w| *w *= e.support_stiffness);
@@ -134,7 +140,8 @@ impl<'a> Tangent<'a> {
         let mut initial = vec![[0.0; STATES]; samples];
         for (k, local) in self.locals.iter().enumerate() {
             let next = if k + 1 == samples { 0 } else { k + 1 };
-            let motion = [slip[k], slip[next], speed[k], speed[next], normal[k], normal[next]];
+            let trial = direction.trial.get(next).copied().unwrap_or_default();
+            let motion = [slip[k], slip[next], speed[k], speed[next], normal[k], normal[next], trial];
             let drive = |gradient: &[f64]| -> f64 {
                 let by_motion: f64 = motion.iter().zip(&gradient[Local::MOTION..]).map(|(a, b)| a * b).sum();
                 by_motion + hook.map_or(0.0, |h| gradient[h])
@@ -166,7 +173,8 @@ impl<'a> Tangent<'a> {
 
     /// Change of the residual `f − Φ(f)` per unknown, column by column.
     ///
-    /// Lines above [`FULL_LINES`] meet receptances so small that their forces hardly answer: identity.
+    /// Lines above [`FULL_LINES`] whose forces move the contacts too little to be answered ([`COUPLED`]) stay identity: there
+    /// the plain iteration contracts by itself. A stiff contact answers on all its lines.
     pub fn jacobian(&self, scratch: &mut GridScratch) -> faer::Mat<f64> {
         let e = self.evaluation;
         let width = e.width();
@@ -174,19 +182,60 @@ impl<'a> Tangent<'a> {
         let mut jacobian = faer::Mat::<f64>::identity(width, width);
         let tables = Tables::new(e.grid.samples());
         let mut direction = Direction::default();
+        let slopes = self.slopes();
+        let resistance = e.rigid().then(|| e.resistance());
         for column in 0..width {
             let (port, place) = (column / per_port, column % per_port);
             let line = place.div_ceil(2);
-            if line > FULL_LINES * e.subharmonic() {
+            let always = resistance.is_some() || line <= FULL_LINES * e.subharmonic();
+            if !always && self.strength(&slopes, (port, line)) < COUPLED {
                 continue;
             }
             let unit = if place % 2 == 1 || place == 0 { Complex64::ONE } else { Complex64::I };
             self.single_line(&mut direction, &tables, line, |row| -e.block.at(line, row, 1 + port) * unit);
+            if let Some(resistance) = resistance {
+                let own = if port == 0 { unit } else { Complex64::ZERO };
+                tables.wave(line, if line == 0 { own * (1.0 - LEAK) } else { own }, &mut direction.trial);
+                let pairs = direction.trial.iter_mut().zip(&direction.velocity);
+                pairs.for_each(|(trial, v)| *trial += resistance * v);
+            }
             for (row, value) in self.answer(&direction, scratch).into_iter().enumerate() {
                 jacobian[(row, column)] -= value;
             }
         }
         jacobian
+    }
+
+    /// Mean stiffness and damping of every port over the period, friction first.
+    fn slopes(&self) -> Vec<[f64; 2]> {
+        let mean = |count: usize, sum: f64| sum / count.max(1) as f64;
+        // The stiffness of a step shows in its new slip alone: the old state answers for the old slip.
+        let m = Local::MOTION;
+        let contact = [
+            mean(self.locals.len(), self.locals.iter().map(|local| local.force[m + 1].abs()).sum()),
+            mean(
+                self.locals.len(),
+                self.locals.iter().map(|l| (l.force[m + 2] + l.force[m + 3]).abs()).sum(),
+            ),
+        ];
+        let of_port = |port: &Vec<super::ports::PortForce>| {
+            [
+                mean(port.len(), port.iter().map(|local| local.stiffness.abs()).sum()),
+                mean(port.len(), port.iter().map(|local| local.damping.abs()).sum()),
+            ]
+        };
+        std::iter::once(contact).chain(self.ports.iter().map(of_port)).collect()
+    }
+
+    /// What the contacts answer on a line to a unit force of a port on it.
+    fn strength(&self, slopes: &[[f64; 2]], (port, line): (usize, usize)) -> f64 {
+        let e = self.evaluation;
+        let turn = line as f64 * e.lines.omega;
+        let answered = slopes.iter().enumerate().map(|(q, [stiffness, damping])| {
+            let row = if q == 0 { 0 } else { e.layout.port_row(q - 1) };
+            e.block.at(line, row, 1 + port).norm() * (stiffness + turn * damping)
+        });
+        answered.fold(0.0, f64::max)
     }
 
     /// A direction in which every row moves on one line only.
@@ -214,8 +263,10 @@ impl<'a> Tangent<'a> {
     }
 }
 
-/// Lines (of the excitation) whose forces are coupled in the derivative of the balance.
+/// Lines (of the excitation) whose forces are always coupled in the derivative of the balance.
 const FULL_LINES: usize = 40;
+/// Answer to a unit force from which a line above them is coupled too: without it the iteration contracts by this factor.
+const COUPLED: f64 = 0.1;
 
 /// One period of the cosine on the grid.
 struct Tables {

@@ -470,6 +470,9 @@ fn imbalance(e: &Evaluation<'_>, difference: &[f64]) -> f64 {
     worst
 }
 
+/// Share of the tolerance that a rigid contact is held to: there the imbalance is of held forces and velocities.
+const RIGID: f64 = 0.1;
+
 /// Newton's method with a kept factor, renewed where it no longer contracts.
 fn solve(e: &Evaluation<'_>, kept: &mut RunMemory, tolerance: f64) -> Result<(), f64> {
     let mut scratch = e.grid.scratch();
@@ -477,6 +480,7 @@ fn solve(e: &Evaluation<'_>, kept: &mut RunMemory, tolerance: f64) -> Result<(),
         kept.factor = None;
         kept.unknowns = recover(e);
     }
+    let tolerance = if e.rigid() { RIGID * tolerance } else { tolerance };
     let mut best = f64::INFINITY;
     let mut fresh = false;
     for _ in 0..40 {

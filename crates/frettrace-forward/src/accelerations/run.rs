@@ -181,10 +181,32 @@ impl Evaluation<'_> {
             port_forces.push(force);
         }
         state.contact.normal = support.iter().map(|s| self.lines.preload - s).collect();
+        if self.rigid() {
+            let mut force: Vec<_> =
+                (0..=self.order()).map(|h| coefficient(unknowns, self.order(), 0, h)).collect();
+            force[0] *= 1.0 - LEAK;
+            let resistance = self.resistance();
+            state.contact.trial = self.sample(&force, scratch);
+            for (trial, v) in state.contact.trial.iter_mut().zip(&state.contact.velocity) {
+                *trial += resistance * v;
+            }
+        }
         let mut friction = vec![0.0; self.grid.samples()];
         state.start = Some(self.contact().start(&state.contact, &mut friction));
         state.forces = std::iter::once(friction).chain(port_forces).collect();
         state
+    }
+
+    /// Whether the contact is set-valued at rest.
+    pub fn rigid(&self) -> bool {
+        self.setting.holds_rigidly()
+    }
+
+    /// Resistance (N·s/m) with which velocity enters the held force of a rigid contact: the mean impedance that the
+    /// structure has there, so that forces and velocities weigh alike.
+    pub fn resistance(&self) -> f64 {
+        let impedance = |h: usize| -(self.block.at(h, 0, 1).norm() * h as f64 * self.lines.omega).ln();
+        ((1..=self.order()).map(impedance).sum::<f64>() / self.order().max(1) as f64).exp()
     }
 
     pub fn contact(&self) -> Contact<'_> {
@@ -223,6 +245,9 @@ impl Evaluation<'_> {
             .collect()
     }
 }
+
+/// Share of the mean force that a rigid contact lets go: where it never slides nothing determines that mean.
+pub(super) const LEAK: f64 = 1e-6;
 
 /// Lines of the velocity of a motion.
 pub(super) fn velocity(lines: &[Complex64], omega: f64) -> Vec<Complex64> {

@@ -113,6 +113,9 @@ pub struct Setting {
     pub damping: Vec<f64>,
     /// The friction law.
     pub law: ModifiedLaw<f64>,
+    /// Whether the bristle is rigid where the law has no presliding range of its own: friction is then set-valued at rest,
+    /// and the law's stiffness is not used.
+    pub rigid: bool,
     /// Order of the line with which the preload is modulated.
     pub modulation: usize,
     /// Memoryless forces on the structure.
@@ -137,6 +140,12 @@ pub struct Setting {
 }
 
 impl Setting {
+    /// Whether friction is set-valued at rest.
+    #[must_use]
+    pub fn holds_rigidly(&self) -> bool {
+        self.rigid && !self.law.yields()
+    }
+
     /// Motion of the clamp on a line of a run for a unit value of `base`.
     pub(super) fn clamp_unit(&self, lines: &RunLines, (run, line): (usize, usize)) -> Complex64 {
         match &self.base_motion {

@@ -8,6 +8,7 @@ mod coefficient;
 mod hooks;
 mod kernel;
 mod modified;
+mod rigid;
 
 pub use hooks::{HOOKS, Hook};
 pub use modified::{Circumstance, ModifiedLaw, ModifiedState};

@@ -119,7 +119,7 @@ impl<T: Scalar> ModifiedLaw<T> {
     }
 
     /// The memory after a stretch.
-    fn remember(&self, memory: T, from: &End<T>, to: &End<T>, dt: T) -> T {
+    pub(super) fn remember(&self, memory: T, from: &End<T>, to: &End<T>, dt: T) -> T {
         if self.on(Hook::LagTime) {
             let (old, new) = (self.weight(from.speed), self.weight(to.speed));
             relax(memory, 1.0, [old, new], dt / self.at(Hook::LagTime))
@@ -227,7 +227,7 @@ impl<T: Scalar> ModifiedLaw<T> {
     }
 
     /// Force at one end without the force lag.
-    fn force(&self, b: T, end: &End<T>, velocity: T, circumstance: &Circumstance) -> T {
+    pub(super) fn force(&self, b: T, end: &End<T>, velocity: T, circumstance: &Circumstance) -> T {
         let pressed = if end.normal.re() > 0.0 { end.normal } else { T::from(0.0) };
         let mut ratio = b;
         if self.on(Hook::Sigma1) {
@@ -281,7 +281,7 @@ impl<T: Scalar> ModifiedLaw<T> {
         }
     }
 
-    fn modulated(&self, normal: [T; 2], circumstance: &Circumstance) -> [T; 2] {
+    pub(super) fn modulated(&self, normal: [T; 2], circumstance: &Circumstance) -> [T; 2] {
         if !self.on(Hook::ModulationCosine) {
             return normal;
         }
