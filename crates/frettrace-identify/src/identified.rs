@@ -129,6 +129,26 @@ impl Identified {
         self.covariance += added;
     }
 
+    /// Moves the coordinate of a parameter, and its interval with it, within its bounds.
+    pub(crate) fn move_by(&mut self, j: usize, shift: f64, described: &Parameter) {
+        let transform = described.transform;
+        let (low, high) = described.coordinate_bounds();
+        let moved = |value: f64| transform.value((transform.coordinate(value) + shift).clamp(low, high));
+        let parameter = &mut self.parameters[j];
+        parameter.value = moved(parameter.value);
+        parameter.interval95 = parameter.interval95.map(|(a, b)| (moved(a), moved(b)));
+    }
+
+    /// Takes all intervals back: a model that does not describe the data has no parameters to know.
+    pub fn withhold(&mut self, reason: &str) {
+        for parameter in self.parameters.iter_mut().filter(|p| p.is_identifiable()) {
+            parameter.std = None;
+            parameter.interval95 = None;
+            parameter.identifiability =
+                Identifiability::NotIdentifiable { reason: reason.to_owned(), experiment: String::new() };
+        }
+    }
+
     /// The sum of two parameters as one, with the interval their covariance gives; not identifiable where either is
     /// not and its uncertainty is unknown.
     #[must_use]

@@ -8,6 +8,7 @@ pub mod contact;
 mod error;
 pub mod evidence;
 mod fit;
+mod groups;
 mod identified;
 mod model;
 mod parameter;
@@ -16,9 +17,10 @@ mod systematic;
 
 pub use error::IdentifyError;
 pub use fit::{Fit, FitSettings, ManyFits, Status, fit, fit_from_many, starts};
+pub use groups::{GroupTest, Grouping, test_groups};
 pub use identified::{
     Identifiability, Identified, IdentifiedParameter, IdentifySettings, ResidualStatistics, identify,
 };
 pub use model::{Model, NoSolution};
 pub use parameter::{Parameter, Prior, Transform};
-pub use systematic::{Held, widen_by_groups, widen_by_held, widen_to_accuracy};
+pub use systematic::{Held, correct_by, widen_by_groups, widen_by_held, widen_to_accuracy};

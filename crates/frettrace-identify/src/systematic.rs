@@ -2,7 +2,7 @@
 
 use crate::fit::stacked;
 use crate::{Fit, Identified, Model};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// What is held, and how the residuals fall into groups.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +56,39 @@ fn by_groups<M: Model>(model: &M, fit: &Fit, sizes: &[usize]) -> Option<DMatrix<
     }
     let count = sizes.len() as f64;
     Some(sum * (count / (count - 1.0)))
+}
+
+/// Moves the estimates by what a better prediction makes of them, `δ = (JᵀJ)⁻¹JᵀΔ`, and widens their intervals by that
+/// much: `C += δδᵀ`.
+///
+/// `change` is the better whitened prediction minus that of the model (longer series, finer grids), one value a
+/// residual. What it corrects is the truncation error to first order; the size of the correction bounds what is left.
+pub fn correct_by<M: Model>(model: &M, fit: &Fit, identified: &mut Identified, change: &[f64]) {
+    let rows = model.residual_count();
+    let mut residual = vec![0.0; rows];
+    let mut jacobian = DMatrix::zeros(rows, fit.values.len());
+    let target = (&mut residual[..], &mut jacobian);
+    if model.linearise(&fit.values, &fit.free, &mut model.memory(), target).is_err() {
+        return;
+    }
+    let (tall, _) = stacked(model, &fit.values, &fit.free, (&jacobian, &residual));
+    let triangle = tall.clone().qr().r();
+    let pull = tall.rows(0, rows).tr_mul(&DVector::from_column_slice(change));
+    let shift = triangle
+        .transpose()
+        .solve_lower_triangular(&pull)
+        .and_then(|half| triangle.solve_upper_triangular(&half))
+        .filter(|shift| shift.iter().all(|x| x.is_finite()));
+    let Some(shift) = shift else { return };
+    let columns: Vec<usize> = (0..fit.free.len()).filter(|j| fit.free[*j]).collect();
+    let mut covariance = DMatrix::zeros(fit.values.len(), fit.values.len());
+    for (a, i) in columns.iter().enumerate() {
+        for (b, j) in columns.iter().enumerate() {
+            covariance[(*i, *j)] = shift[a] * shift[b];
+        }
+        identified.move_by(*i, shift[a], &model.parameters()[*i]);
+    }
+    identified.add_covariance(&covariance, model.parameters());
 }
 
 /// Widens the intervals of all free parameters without a prior by a relative accuracy of the model itself.

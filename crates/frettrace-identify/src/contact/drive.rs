@@ -84,8 +84,8 @@ pub(super) fn start_of(family: Family, values: &[f64], history: &ContactHistory,
     let mut b = a + fa;
     for _ in 0..40 {
         let fb = miss(b);
-        // 1e-12 of a friction coefficient is far below any noise.
-        if fb.abs() < 1e-12 || fb == fa {
+        // 1e-9 of the friction is far below any noise.
+        if fb.abs() < 1e-9 * most || fb == fa {
             break;
         }
         let next = b - fb * (b - a) / (fb - fa);

@@ -23,8 +23,10 @@ pub struct ContactFit {
     pub steps: Vec<StepReport>,
     /// Relative RMS of the force over all runs it was fitted to.
     pub error: f64,
-    /// Share of the starts that ended in the best minimum.
+    /// Share of the starts that led to the best minimum.
     pub agreement: f64,
+    /// The law's values in other minima, best first: what to try where the best one fails elsewhere.
+    pub others: Vec<Vec<f64>>,
 }
 
 impl ContactFit {

@@ -1,6 +1,7 @@
 //! The steps: small loops, sliding, velocity dependence, breakaway and damping, everything.
 
 use super::{ContactFit, ContactHistory, ContactModel, Extras, Family, Guess, StepReport, noise};
+use crate::fit::ManyFits;
 use crate::{FitSettings, IdentifyError, IdentifySettings, Model, fit, fit_from_many, identify, starts};
 
 /// How a law is fitted to histories.
@@ -21,6 +22,10 @@ impl Default for ContactSettings {
         Self { starts: 16, extras: Extras::default(), fit: FitSettings::default(), profiles: true }
     }
 }
+
+/// Fits of a step, and of a start before it is known whether it leads anywhere: within a thousandth of χ².
+const SPRINT: FitSettings =
+    FitSettings { free: Vec::new(), max_iterations: 10, relative_tolerance: 1e-3, absolute_tolerance: 0.1 };
 
 /// Parameters each step frees beside those before it, and whether it uses small, large or all loops.
 const STEPS: [(&str, &[&str], Loops); 4] = [
@@ -64,7 +69,7 @@ pub fn identify_contact(
         let free = mask(&model, |name| freed.contains(&name));
         if free.iter().any(|f| *f) {
             model.set_weights(noise::weights(&model, &start));
-            let found = fit(&model, &start, &FitSettings { free, ..settings.fit.clone() })?;
+            let found = fit(&model, &start, &FitSettings { free, max_iterations: 20, ..SPRINT })?;
             start = found.values;
             steps.push(report(name, &model, &start, |name| freed.contains(&name)));
         }
@@ -81,10 +86,13 @@ fn last_step(
     let mut model = ContactModel::new(family, histories.to_vec(), typical, settings.extras);
     model.set_weights(noise::weights(&model, &start));
     let spread: Vec<f64> = model.parameters().iter().map(|p| spread(&p.name)).collect();
-    let many =
-        fit_from_many(&model, &starts(model.parameters(), &start, &spread, settings.starts), &settings.fit)?;
-    let agreement = many.agreement();
-    let first = many.best().values.clone();
+    let scattered = starts(model.parameters(), &start, &spread, settings.starts);
+    let heats = fit_from_many(&model, &scattered, &SPRINT)?;
+    let (lanes, agreement) = distinct(&model, &heats);
+    let finals = fit_from_many(&model, &lanes, &settings.fit)?;
+    let first = finals.best().values.clone();
+    let law = family.parameter_names().len();
+    let others = finals.fits[1..].iter().map(|f| f.values[..law].to_vec()).collect();
     model.set_weights(noise::weights(&model, &first));
     let best = fit(&model, &first, &settings.fit)?;
     let profiled = if settings.profiles { Vec::new() } else { vec![false; best.values.len()] };
@@ -100,7 +108,30 @@ fn last_step(
     }
     steps.push(report("all parameters on all levels", &model, &best.values, |_| true));
     let error = model.relative_error(&best.values);
-    Ok(ContactFit { family, identified, steps, error, agreement })
+    Ok(ContactFit { family, identified, steps, error, agreement, others })
+}
+
+/// Minima that are followed to their end.
+const KEPT: usize = 4;
+/// Fits that differ by less than this in every coordinate are on the way to one minimum.
+const APART: f64 = 0.3;
+
+/// The best few of the fits that are not on the way to the same minimum, and the share of fits on the way to the best.
+fn distinct(model: &ContactModel<'_>, many: &ManyFits) -> (Vec<Vec<f64>>, f64) {
+    let coordinates = |values: &[f64]| -> Vec<f64> {
+        model.parameters().iter().zip(values).map(|(p, v)| p.transform.coordinate(*v)).collect()
+    };
+    let near = |a: &[f64], b: &[f64]| {
+        coordinates(a).iter().zip(coordinates(b)).all(|(a, b)| (a - b).abs() < APART || *a == b)
+    };
+    let mut kept: Vec<Vec<f64>> = Vec::new();
+    for fit in &many.fits {
+        if kept.len() < KEPT && !kept.iter().any(|other| near(other, &fit.values)) {
+            kept.push(fit.values.clone());
+        }
+    }
+    let alike = many.fits.iter().filter(|f| near(&many.best().values, &f.values)).count();
+    (kept, alike as f64 / (many.fits.len() + many.failed).max(1) as f64)
 }
 
 fn report(name: &str, model: &ContactModel<'_>, values: &[f64], freed: impl Fn(&str) -> bool) -> StepReport {

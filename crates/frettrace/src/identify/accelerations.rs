@@ -1,20 +1,24 @@
 //! A measurement file: the law and the structure against the accelerations themselves.
 
 mod described;
+mod groups;
 mod joint;
+mod loops;
 
 use super::contact_record::comparison;
 use crate::case::case;
 use crate::results::{Identification, Step};
 use crate::{Progress, StudyError};
 use described::{described, from_loops_alone};
-use frettrace_explain::{Case, ExplainError, Fitted, Study, histories};
-use frettrace_forward::accelerations::Setting;
-use frettrace_friction::effects::Hook;
-use frettrace_identify::Identified;
+use frettrace_explain::{Case, Fitted, Study};
+use frettrace_forward::accelerations::{RunLines, Setting};
+use frettrace_friction::effects::{Hook, ModifiedLaw};
 use frettrace_identify::contact::{ContactFit, ContactHistory, ContactSettings, Family, identify_contact};
 use frettrace_identify::evidence::{Candidate, rank};
+use frettrace_identify::{GroupTest, Identified};
 use frettrace_measurement::Measurement;
+use groups::{Condition, conditions};
+use loops::Loops;
 
 /// A law with the structure, fitted and judged.
 struct Joint {
@@ -24,12 +28,17 @@ struct Joint {
     steps: Vec<Step>,
     held_out: f64,
     training: Vec<usize>,
+    /// Lines of all runs, with the forces that were recovered beside the contact.
+    lines: Vec<RunLines>,
+    /// Whether parameters differ between groups of runs.
+    tests: Vec<Vec<GroupTest>>,
 }
 
 /// A law fitted to the loops recovered without a law.
 struct Start {
     family: Family,
-    setting: Setting,
+    /// Values to start from: the best minimum, then others.
+    settings: Vec<Setting>,
     steps: Vec<Step>,
     error: f64,
     loops: ContactFit,
@@ -47,9 +56,13 @@ pub(super) fn identify(
     let mut notes = Vec::new();
     let mut joints = Vec::new();
     let mut unsolved = None;
-    for start in promising(starts(&declared, families, progress)?, &mut notes) {
+    let conditions = conditions(measurement);
+    let declared = Case { law: families[0], ..declared };
+    let (first, blank) = Study::new(&declared)?;
+    for start in promising(starts((&declared, &first, &blank), families, progress)?, &mut notes) {
         let loops = start.loops.clone();
-        match one_law(&declared, start, families.len() > 1) {
+        let case = Case { law: start.family, ..declared.clone() };
+        match study_of(&case, &first).and_then(|study| one_law(study, start, &conditions)) {
             Ok(joint) => joints.push(joint),
             Err(error) => unsolved = unsolved.or(Some((loops, error))),
         }
@@ -69,23 +82,36 @@ pub(super) fn identify(
     let Some(joint) = joints.iter().find(|joint| Some(joint.family) == best) else {
         return Err(StudyError::UnknownLaw { name: String::new() });
     };
-    let case = Case { law: joint.family, ..declared };
-    let (mut study, _) = Study::new(&case)?;
+    let case = Case { law: joint.family, ..declared.clone() };
+    let (mut study, _) = study_of(&case, &first)?;
     study.training.clone_from(&joint.training);
+    study.model.runs.clone_from(&joint.lines);
     let mut found = described((measurement, &study), joint);
+    let (dependence, differing) = groups::described(joint, &conditions, &joint.tests);
+    found.dependence = dependence;
+    found.notes.extend(differing);
     found.notes.extend(comparison(&ranking));
     found.notes.extend(notes);
     Ok(found)
 }
 
+/// The study of another law on the same runs, and its start.
+fn study_of<'a>(case: &'a Case, first: &Study<'_>) -> Result<(Study<'a>, Setting), StudyError> {
+    let (mut study, start) = Study::new(case)?;
+    study.training.clone_from(&first.training);
+    Ok((study, start))
+}
+
 /// Every law on the loops recovered without a law.
-fn starts(declared: &Case, families: &[Family], progress: &Progress) -> Result<Vec<Start>, StudyError> {
-    let case = Case { law: families[0], ..declared.clone() };
-    let (study, setting) = Study::new(&case)?;
-    let loops = histories(&case, &study.model, &setting, &study.training).map_err(ExplainError::from)?;
+fn starts(
+    (declared, first, blank): (&Case, &Study<'_>, &Setting),
+    families: &[Family],
+    progress: &Progress,
+) -> Result<Vec<Start>, StudyError> {
+    let loops = Loops::new(declared, first, blank)?;
     let mut starts = Vec::new();
     for family in families {
-        starts.push(from_loops(*family, &loops, &setting)?);
+        starts.push(from_loops((*family, families.len() > 1), &loops, blank)?);
         progress.step();
     }
     Ok(starts)
@@ -106,11 +132,18 @@ fn promising(starts: Vec<Start>, notes: &mut Vec<String>) -> Vec<Start> {
 }
 
 /// Step (v) for one law.
-fn one_law(declared: &Case, start: Start, compared: bool) -> Result<Joint, StudyError> {
-    let case = Case { law: start.family, ..declared.clone() };
-    let (mut study, _) = Study::new(&case)?;
-    let fitted = joint::fit(&mut study, start.setting, compared)?;
-    let identified = joint::judged(&study, &fitted)?;
+fn one_law(
+    (mut study, own): (Study<'_>, Setting),
+    start: Start,
+    conditions: &[Condition],
+) -> Result<Joint, StudyError> {
+    // Where the contact sticks a recovered slip is noise: a law without memory starts from what slides.
+    let leading = if start.family.is_static() { vec![own.clone()] } else { Vec::new() };
+    let found = start.settings.iter().map(|s| Setting { law: s.law, ..own.clone() });
+    let settings: Vec<Setting> = leading.into_iter().chain(found).collect();
+    let fitted = joint::fit(&mut study, &settings)?;
+    let judgement = joint::judged(&study, &fitted, conditions)?;
+    let (identified, tests) = (judgement.identified, judgement.tests);
     let mut steps = start.steps;
     steps.push(Step {
         name: "law and structure together against the accelerations".to_owned(),
@@ -119,34 +152,58 @@ fn one_law(declared: &Case, start: Start, compared: bool) -> Result<Joint, Study
     });
     let held_out = study.error(&fitted, &study.held_out).ratio();
     let training = study.training.clone();
-    Ok(Joint { family: start.family, fitted, identified, steps, held_out, training })
+    let lines = study.model.runs;
+    Ok(Joint { family: start.family, fitted, identified, steps, held_out, training, lines, tests })
 }
 
+/// Starts of a law on the recovered loops.
+const STARTS: usize = 16;
+
 /// Steps (i) to (iv): the law on motion and force of the contact recovered without a law.
-fn from_loops(family: Family, loops: &[ContactHistory], blank: &Setting) -> Result<Start, StudyError> {
-    let used: Vec<&ContactHistory> = loops.iter().collect();
-    let settings = ContactSettings { starts: 6, profiles: false, ..ContactSettings::default() };
-    let fit = identify_contact(family, &used, &settings)?;
-    let mut law = family.law(&fit.law_values());
-    if family.is_static() {
-        // A law without memory is the limit of a stiff bristle: a fiftieth of the smallest slip to full friction.
-        let reach = loops.iter().map(ContactHistory::amplitude).fold(f64::INFINITY, f64::min);
-        law.set(Hook::Sigma0, 50.0 * fit.law_values()[0] / reach.max(1e-12));
-    }
-    // Starts in the open interior of what the joint fit admits.
+///
+/// A law without memory is fitted as the bristle whose stiff limit it is: where the contact sticks, the sign of a
+/// recovered velocity is noise, and the bristle knows what to do there. In a comparison it must stand for itself.
+fn from_loops(
+    (family, compared): (Family, bool),
+    loops: &Loops,
+    blank: &Setting,
+) -> Result<Start, StudyError> {
+    let bristle = match family {
+        Family::Coulomb if !compared => Family::Dahl,
+        Family::Stribeck if !compared => Family::LuGre,
+        other => other,
+    };
+    let settings = ContactSettings { starts: STARTS, profiles: false, ..ContactSettings::default() };
+    let rough = identify_contact(bristle, &loops.histories.iter().collect::<Vec<_>>(), &settings)?;
+    let filled = loops.filled(&rough);
+    let used: Vec<&ContactHistory> = filled.iter().collect();
+    let fit = identify_contact(bristle, &used, &settings)?;
+    let minima = std::iter::once(fit.law_values()).chain(fit.others.iter().cloned());
+    let laws = minima.map(|values| begin((family, bristle), &values));
+    let settings = laws.map(|law| Setting { law, ..blank.clone() }).collect();
+    let steps = fit.steps.iter().map(|s| Step {
+        name: s.name.clone(),
+        parameters: s.parameters.clone(),
+        error: s.error,
+    });
+    Ok(Start { family, settings, steps: steps.collect(), error: fit.error, loops: fit })
+}
+
+/// A law to start the joint fit from: values of a bristle, of which the law may be the rigid limit.
+fn begin((family, bristle): (Family, Family), values: &[f64]) -> ModifiedLaw<f64> {
+    let value = |name: &str| {
+        bristle.parameter_names().iter().position(|n| *n == name).and_then(|j| values.get(j).copied())
+    };
+    let own: Vec<f64> = family.parameter_names().iter().map(|name| value(name).unwrap_or_default()).collect();
+    interior(family.law(&own))
+}
+
+/// The same law in the open interior of what the joint fit admits.
+fn interior(mut law: ModifiedLaw<f64>) -> ModifiedLaw<f64> {
     for (hook, least) in [(Hook::StribeckRise, 1e-3), (Hook::StribeckVelocity, 1e-6)] {
         if let Some(value) = law.get(hook) {
             law.set(hook, value.max(least));
         }
     }
-    let loops = fit.clone();
-    let steps =
-        fit.steps.into_iter().map(|s| Step { name: s.name, parameters: s.parameters, error: s.error });
-    Ok(Start {
-        family,
-        setting: Setting { law, ..blank.clone() },
-        steps: steps.collect(),
-        error: fit.error,
-        loops,
-    })
+    law
 }

@@ -102,6 +102,31 @@ pub struct Provenance {
     pub training_runs: Vec<String>,
 }
 
+/// A parameter with a value of its own in each group of runs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GroupEstimate {
+    /// Whether the evidence is strong that the groups differ.
+    pub differs: bool,
+    /// ΔBIC of one shared value against one a group: above 10 they differ, below −10 they share it.
+    #[serde(with = "number::scalar")]
+    pub evidence: f64,
+    /// Value in each group, in the parameter's unit.
+    pub values: Vec<f64>,
+    /// Standard deviation of each.
+    pub std: Vec<f64>,
+}
+
+/// Parameters tested over a condition of the runs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Dependence {
+    /// The condition: preload, excitation frequency, level, lubrication or temperature.
+    pub condition: String,
+    /// Its groups, in words.
+    pub groups: Vec<String>,
+    /// The parameters tested.
+    pub parameters: BTreeMap<String, GroupEstimate>,
+}
+
 /// An identified law: `ID.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Identification {
@@ -117,6 +142,9 @@ pub struct Identification {
     pub error: ErrorSummary,
     /// Errors on the runs that were not; absent where there are too few runs to hold any out.
     pub held_out: Option<HeldOut>,
+    /// Whether parameters differ between runs of different preload, frequency, level, lubrication or temperature.
+    #[serde(default)]
+    pub dependence: Vec<Dependence>,
     /// What the result rests on.
     #[serde(default)]
     pub provenance: Provenance,

@@ -11,6 +11,6 @@ pub use explanation::{
     Verdict, Waveform,
 };
 pub use identification::{
-    ErrorSummary, Estimate, HeldOut, Identification, ModeEstimate, NoiseFloorSource, Provenance, Step,
-    Structure,
+    Dependence, ErrorSummary, Estimate, GroupEstimate, HeldOut, Identification, ModeEstimate,
+    NoiseFloorSource, Provenance, Step, Structure,
 };

@@ -56,6 +56,7 @@ pub(super) fn described((measurement, study): (&Measurement, &Study<'_>), joint:
             training_runs: names(&study.training),
         },
         notes,
+        ..Identification::default()
     }
 }
 
