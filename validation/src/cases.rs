@@ -1,6 +1,10 @@
 //! The list of cases: verification first.
 
+mod compare_friction_velocity;
+mod compare_haptic_pulls;
+mod compare_loop_area;
 pub mod compare_splines;
+mod compare_two_bodies;
 mod measured_contacts;
 mod validate_finite_element_rig;
 mod verify_beam_modes;
@@ -20,6 +24,10 @@ pub const ALL: &[Case] = &[
     verify_reconstruction_bands::CASE,
     compare_splines::CASE,
     validate_finite_element_rig::CASE,
+    compare_loop_area::CASE,
+    compare_two_bodies::CASE,
+    compare_friction_velocity::CASE,
+    compare_haptic_pulls::CASE,
     measured_contacts::FRICTION_DAMPER,
     measured_contacts::TRIBOMETER,
     measured_contacts::PISTON_SEALS,
