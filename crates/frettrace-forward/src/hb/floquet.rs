@@ -6,7 +6,7 @@
 
 use super::contact::{Contact, Normal};
 use super::element::INPUTS;
-use super::network::Network;
+use super::network::{Network, Support};
 use super::solver::Solver;
 use super::system::Problem;
 use crate::ForwardError;
@@ -32,15 +32,59 @@ impl Floquet {
 /// One mode over one step: `[q, q̇]` from `[q, q̇]`, old and new load.
 type ModeStep = [[f64; 4]; 2];
 
-/// A disturbance and what it is made of: modes, forces, states of each contact.
+/// A matrix by rows; its columns are the disturbances that are carried along.
+struct Rows {
+    width: usize,
+    values: Vec<f64>,
+}
+
+impl Rows {
+    fn zeros(count: usize, width: usize) -> Self {
+        Self { width, values: vec![0.0; count * width] }
+    }
+
+    fn row(&self, i: usize) -> &[f64] {
+        &self.values[i * self.width..][..self.width]
+    }
+
+    fn row_mut(&mut self, i: usize) -> &mut [f64] {
+        &mut self.values[i * self.width..][..self.width]
+    }
+}
+
+fn add(target: &mut [f64], factor: f64, source: &[f64]) {
+    target.iter_mut().zip(source).for_each(|(t, s)| *t += factor * s);
+}
+
+/// How the inputs of a contact come from the modes, and what a unit of each new load adds to the new ones.
+struct Inputs {
+    slip: Vec<f64>,
+    /// Empty where the normal force is held.
+    normal: Vec<f64>,
+    /// Slip, velocity, normal force.
+    gains: Vec<[f64; 3]>,
+}
+
+/// What a disturbance is made of: modes (displacement and velocity in turn), forces, states of each contact.
 struct Disturbance<'a> {
-    network: &'a Network,
     contacts: &'a [Contact<'a>],
+    supports: &'a [Support],
     modes: Vec<ModeStep>,
-    /// Motion of each port by its value and velocity rows, and loads by ports: the contacts', then the supports'.
-    ports: Vec<usize>,
+    /// Mode shapes at the loads: the contacts', then the supports'.
+    loads: Vec<&'a [f64]>,
+    inputs: Vec<Inputs>,
     size: usize,
     states_at: Vec<usize>,
+}
+
+/// Memory of a step.
+struct Scratch {
+    /// Slip, velocity and normal force of a contact at the old and at the new sample.
+    inputs: [Rows; 2],
+    /// Forces before they act back, and the system that makes them act back.
+    right: Rows,
+    system: DMatrix<f64>,
+    forces: Rows,
 }
 
 impl<'a> Disturbance<'a> {
@@ -48,174 +92,158 @@ impl<'a> Disturbance<'a> {
         let structure = &network.structure;
         let modes = structure.natural_frequency().iter().zip(structure.damping_ratio());
         let modes: Vec<_> = modes.map(|(w, z)| mode_step(w * w, 2.0 * z * w - network.feed, dt)).collect();
-        let mut ports = network.forces.clone();
-        ports.extend(network.supports.iter().map(|s| s.port));
-        let mut size = 2 * modes.len() + ports.len();
+        let ports = network.forces.iter().copied().chain(network.supports.iter().map(|s| s.port));
+        let loads: Vec<&[f64]> = ports.map(|port| structure.row(port)).collect();
+        let mut size = 2 * modes.len() + loads.len();
         let mut states_at = Vec::new();
         for contact in contacts {
             states_at.push(size);
             size += contact.element.states();
         }
-        Self { network, contacts, modes, ports, size, states_at }
+        let supports = &network.supports;
+        let mut disturbance = Self { contacts, supports, modes, loads, inputs: Vec::new(), size, states_at };
+        disturbance.inputs = contacts.iter().map(|contact| disturbance.inputs_of(network, contact)).collect();
+        disturbance
+    }
+
+    fn inputs_of(&self, network: &Network, contact: &Contact) -> Inputs {
+        let scaled = |channel: usize| -> Vec<f64> {
+            let reading = network.channels[channel];
+            network.structure.row(reading.port).iter().map(|shape| reading.scale * shape).collect()
+        };
+        let slip = scaled(contact.slip);
+        let normal = match contact.normal {
+            Normal::Channel(channel) => scaled(channel),
+            Normal::Constant(_) => Vec::new(),
+        };
+        let gains = (self.loads.iter())
+            .map(|load| [self.gain(&slip, load, 0), self.gain(&slip, load, 1), self.gain(&normal, load, 0)])
+            .collect();
+        Inputs { slip, normal, gains }
+    }
+
+    /// What a unit of a new load adds to a motion (part 0) or its velocity (part 1).
+    fn gain(&self, row: &[f64], load: &[f64], part: usize) -> f64 {
+        self.modes.iter().zip(row.iter().zip(load)).map(|(step, (r, l))| r * step[part][3] * l).sum()
+    }
+
+    fn scratch(&self) -> Scratch {
+        let (count, size) = (self.loads.len(), self.size);
+        Scratch {
+            inputs: [Rows::zeros(3, size), Rows::zeros(3, size)],
+            right: Rows::zeros(count, size),
+            system: DMatrix::identity(count, count),
+            forces: Rows::zeros(count, size),
+        }
     }
 
     fn force_at(&self, force: usize) -> usize {
         2 * self.modes.len() + force
     }
 
-    /// Displacement or velocity of a port in every column of the disturbance.
-    fn port(&self, port: usize, velocity: bool, x: &DMatrix<f64>, out: &mut [f64]) {
-        out.fill(0.0);
-        let row = self.network.structure.row(port);
-        for (j, value) in out.iter_mut().enumerate() {
-            let column = x.column(j);
-            *value = row.iter().enumerate().map(|(n, r)| r * column[2 * n + usize::from(velocity)]).sum();
+    /// Slip, velocity and normal force of a contact in every disturbance.
+    fn read(&self, contact: usize, x: &Rows, out: &mut Rows) {
+        out.values.fill(0.0);
+        let Inputs { slip, normal, .. } = &self.inputs[contact];
+        for (n, shape) in slip.iter().enumerate() {
+            add(out.row_mut(0), *shape, x.row(2 * n));
+            add(out.row_mut(1), *shape, x.row(2 * n + 1));
         }
-    }
-
-    /// Old and new motion of a contact's inputs: slip, velocity, normal.
-    fn inputs(&self, contact: &Contact, x: &DMatrix<f64>) -> [Vec<f64>; 3] {
-        let mut rows = [vec![0.0; self.size], vec![0.0; self.size], vec![0.0; self.size]];
-        let slip = self.network.channels[contact.slip];
-        for (velocity, row) in [(false, 0), (true, 1)] {
-            self.port(slip.port, velocity, x, &mut rows[row]);
-            rows[row].iter_mut().for_each(|v| *v *= slip.scale);
+        for (n, shape) in normal.iter().enumerate() {
+            add(out.row_mut(2), *shape, x.row(2 * n));
         }
-        if let Normal::Channel(channel) = contact.normal {
-            let normal = self.network.channels[channel];
-            self.port(normal.port, false, x, &mut rows[2]);
-            rows[2].iter_mut().for_each(|v| *v *= normal.scale);
-        }
-        rows
-    }
-
-    /// How the new inputs of a contact answer to a unit of a new load: slip, velocity, normal.
-    fn gains(&self, contact: &Contact, force: usize) -> [f64; 3] {
-        let slip = self.network.channels[contact.slip];
-        let normal = match contact.normal {
-            Normal::Channel(channel) => {
-                let reading = self.network.channels[channel];
-                reading.scale * self.gain(reading.port, force, 0)
-            }
-            Normal::Constant(_) => 0.0,
-        };
-        [slip.scale * self.gain(slip.port, force, 0), slip.scale * self.gain(slip.port, force, 1), normal]
-    }
-
-    fn gain(&self, port: usize, force: usize, part: usize) -> f64 {
-        let (row, load) = (self.network.structure.row(port), self.network.structure.row(self.ports[force]));
-        self.modes.iter().enumerate().map(|(n, step)| row[n] * step[part][3] * load[n]).sum()
     }
 
     /// Modes over a step with the old loads held and the new ones still missing. Loads are minus the forces.
-    fn drift(&self, x: &DMatrix<f64>, next: &mut DMatrix<f64>) {
-        for j in 0..self.size {
-            for (n, step) in self.modes.iter().enumerate() {
-                let old: f64 = self
-                    .ports
-                    .iter()
-                    .enumerate()
-                    .map(|(d, &port)| -self.network.structure.row(port)[n] * x[(self.force_at(d), j)])
-                    .sum();
-                let (q, v) = (x[(2 * n, j)], x[(2 * n + 1, j)]);
-                next[(2 * n, j)] = step[0][0] * q + step[0][1] * v + step[0][2] * old;
-                next[(2 * n + 1, j)] = step[1][0] * q + step[1][1] * v + step[1][2] * old;
-            }
-        }
-    }
-
-    /// One step `k`: drift, then the new forces, each an implicit linear equation.
-    fn step(&self, k: usize, partials: &[&[f64]], x: &DMatrix<f64>, next: &mut DMatrix<f64>) {
-        self.drift(x, next);
-        let count = self.ports.len();
-        let mut system = DMatrix::<f64>::identity(count, count);
-        let mut right = DMatrix::<f64>::zeros(count, self.size);
-        let mut later = Vec::new();
-        for (index, contact) in self.contacts.iter().enumerate() {
-            let (m, o) = (contact.element.states(), contact.element.forces());
-            let width = m + INPUTS;
-            let (old, new) = (self.inputs(contact, x), self.inputs(contact, next));
-            for (j, row) in partials[index][k * (m + o) * width..].chunks_exact(width).take(m + o).enumerate()
-            {
-                let value = self.answer((row, self.states_at[index], m), x, (&old, &new));
-                if j < m {
-                    later.push((self.states_at[index] + j, index, row, value));
-                } else if let Some(force) = contact.outputs()[j - m] {
-                    right.row_mut(force).iter_mut().zip(&value).for_each(|(r, v)| *r += v);
-                    for d in 0..count {
-                        let gain = self.gains(contact, d);
-                        system[(force, d)] += (0..3).map(|i| row[m + 2 * i + 1] * gain[i]).sum::<f64>();
-                    }
+    fn drift(&self, x: &Rows, next: &mut Rows) {
+        next.values.fill(0.0);
+        for (n, step) in self.modes.iter().enumerate() {
+            for (part, step) in step.iter().enumerate() {
+                let target = next.row_mut(2 * n + part);
+                add(target, step[0], x.row(2 * n));
+                add(target, step[1], x.row(2 * n + 1));
+                for (d, load) in self.loads.iter().enumerate() {
+                    add(target, -step[2] * load[n], x.row(self.force_at(d)));
                 }
             }
         }
-        self.add_supports(next, &mut system, &mut right);
-        if let Some(forces) = system.lu().solve(&right) {
-            self.finish(&forces, &later, next);
-        }
     }
 
-    fn answer(
-        &self,
-        (row, at, m): (&[f64], usize, usize),
-        x: &DMatrix<f64>,
-        (old, new): (&[Vec<f64>; 3], &[Vec<f64>; 3]),
-    ) -> Vec<f64> {
-        let one = |j: usize| {
-            let states: f64 = (0..m).map(|i| row[i] * x[(at + i, j)]).sum();
-            let motion = (0..3).map(|i| row[m + 2 * i] * old[i][j] + row[m + 2 * i + 1] * new[i][j]);
-            states + motion.sum::<f64>()
-        };
-        (0..self.size).map(one).collect()
-    }
-
-    fn add_supports(&self, next: &DMatrix<f64>, system: &mut DMatrix<f64>, right: &mut DMatrix<f64>) {
-        let first = self.network.forces.len();
-        let (mut position, mut velocity) = (vec![0.0; self.size], vec![0.0; self.size]);
-        for (index, support) in self.network.supports.iter().enumerate() {
-            self.port(support.port, false, next, &mut position);
-            self.port(support.port, true, next, &mut velocity);
-            for j in 0..self.size {
-                right[(first + index, j)] += support.stiffness * position[j] + support.damping * velocity[j];
+    /// One step: drift, then the new forces, each an implicit linear equation; `partials` are those of the step.
+    fn step(&self, partials: &[&[f64]], x: &Rows, next: &mut Rows, scratch: &mut Scratch) {
+        self.drift(x, next);
+        scratch.right.values.fill(0.0);
+        scratch.system.fill_with_identity();
+        for (index, contact) in self.contacts.iter().enumerate() {
+            let [old, new] = &mut scratch.inputs;
+            self.read(index, x, old);
+            self.read(index, next, new);
+            let (m, at) = (contact.element.states(), self.states_at[index]);
+            for (j, row) in partials[index].chunks_exact(m + INPUTS).enumerate() {
+                let target = if j < m {
+                    next.row_mut(at + j)
+                } else if let Some(force) = contact.outputs()[j - m] {
+                    for (d, gain) in self.inputs[index].gains.iter().enumerate() {
+                        scratch.system[(force, d)] += late(row, m, gain);
+                    }
+                    scratch.right.row_mut(force)
+                } else {
+                    continue;
+                };
+                (0..m).for_each(|i| add(target, row[i], x.row(at + i)));
+                for i in 0..3 {
+                    add(target, row[m + 2 * i], old.row(i));
+                    add(target, row[m + 2 * i + 1], new.row(i));
+                }
             }
-            for d in 0..self.ports.len() {
-                system[(first + index, d)] += support.stiffness * self.gain(support.port, d, 0)
-                    + support.damping * self.gain(support.port, d, 1);
+        }
+        self.add_supports(next, scratch);
+        self.finish(partials, next, scratch);
+    }
+
+    fn add_supports(&self, next: &Rows, scratch: &mut Scratch) {
+        let first = self.loads.len() - self.supports.len();
+        for (index, support) in self.supports.iter().enumerate() {
+            let (shape, own) = (self.loads[first + index], first + index);
+            let target = scratch.right.row_mut(own);
+            for (n, shape) in shape.iter().enumerate() {
+                add(target, support.stiffness * shape, next.row(2 * n));
+                add(target, support.damping * shape, next.row(2 * n + 1));
+            }
+            for (d, load) in self.loads.iter().enumerate() {
+                scratch.system[(own, d)] += support.stiffness * self.gain(shape, load, 0)
+                    + support.damping * self.gain(shape, load, 1);
             }
         }
     }
 
     /// Puts the new forces in: they move the modes, and with them the states of the contacts.
-    fn finish(
-        &self,
-        forces: &DMatrix<f64>,
-        later: &[(usize, usize, &[f64], Vec<f64>)],
-        next: &mut DMatrix<f64>,
-    ) {
-        let count = self.ports.len();
-        for j in 0..self.size {
+    fn finish(&self, partials: &[&[f64]], next: &mut Rows, scratch: &mut Scratch) {
+        // Without an inverse the forces are those before they act back.
+        let _ = scratch.system.try_inverse_mut();
+        let Scratch { right, system, forces, .. } = scratch;
+        forces.values.fill(0.0);
+        for (d, load) in self.loads.iter().enumerate() {
+            (0..self.loads.len()).for_each(|e| add(forces.row_mut(d), system[(d, e)], right.row(e)));
+            let force = forces.row(d);
             for (n, step) in self.modes.iter().enumerate() {
-                let load: f64 =
-                    (0..count).map(|d| -self.network.structure.row(self.ports[d])[n] * forces[(d, j)]).sum();
-                next[(2 * n, j)] += step[0][3] * load;
-                next[(2 * n + 1, j)] += step[1][3] * load;
+                add(next.row_mut(2 * n), -step[0][3] * load[n], force);
+                add(next.row_mut(2 * n + 1), -step[1][3] * load[n], force);
             }
-            (0..count).for_each(|d| next[(self.force_at(d), j)] = forces[(d, j)]);
-        }
-        for (at, index, row, value) in later {
-            let contact = &self.contacts[*index];
-            let m = contact.element.states();
-            for j in 0..self.size {
-                let late: f64 = (0..count)
-                    .map(|d| {
-                        let gain = self.gains(contact, d);
-                        (0..3).map(|i| row[m + 2 * i + 1] * gain[i]).sum::<f64>() * forces[(d, j)]
-                    })
-                    .sum();
-                next[(*at, j)] = value[j] - late;
+            next.row_mut(self.force_at(d)).copy_from_slice(force);
+            for (index, contact) in self.contacts.iter().enumerate() {
+                let (m, gain) = (contact.element.states(), &self.inputs[index].gains[d]);
+                for (j, row) in partials[index].chunks_exact(m + INPUTS).take(m).enumerate() {
+                    add(next.row_mut(self.states_at[index] + j), -late(row, m, gain), force);
+                }
             }
         }
     }
+}
+
+/// What a row of partials answers to a unit of a new load, through the new inputs.
+fn late(row: &[f64], m: usize, gain: &[f64; 3]) -> f64 {
+    (0..3).map(|i| row[m + 2 * i + 1] * gain[i]).sum()
 }
 
 /// `[q, q̇]` after `dt` of `q̈ + c q̇ + k q = p` with `p` linear in time: by the exponential of the augmented system.
@@ -253,14 +281,19 @@ impl Solver {
         let samples = self.settings().samples;
         let dt = std::f64::consts::TAU / (omega * samples as f64);
         let disturbance = Disturbance::new(network, contacts, dt);
-        let partials: Vec<&[f64]> =
-            self.system.cells.iter().map(|cell| cell.partials.rows.as_slice()).collect();
         let size = disturbance.size;
-        let (mut x, mut next) = (DMatrix::identity(size, size), DMatrix::zeros(size, size));
+        let (mut x, mut next) = (Rows::zeros(size, size), Rows::zeros(size, size));
+        (0..size).for_each(|i| x.row_mut(i)[i] = 1.0);
+        let mut scratch = disturbance.scratch();
         for k in 0..samples {
-            disturbance.step(k, &partials, &x, &mut next);
+            let partials = self.system.cells.iter().map(|cell| {
+                let length = cell.partials.rows.len() / samples;
+                &cell.partials.rows[k * length..(k + 1) * length]
+            });
+            disturbance.step(&partials.collect::<Vec<_>>(), &x, &mut next, &mut scratch);
             std::mem::swap(&mut x, &mut next);
         }
+        let x = DMatrix::from_row_slice(size, size, &x.values);
         let mut multipliers: Vec<Complex64> = x.complex_eigenvalues().iter().copied().collect();
         multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
         Ok(Floquet { multipliers })
