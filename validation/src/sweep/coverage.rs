@@ -23,7 +23,7 @@ pub struct Covered {
     pub error: Vec<f64>,
     /// For the same three: share of the samples of all runs inside the 95 % band.
     pub inside: Vec<f64>,
-    /// Identifiable parameters: name, relative error, whether the interval holds the truth.
+    /// Identifiable parameters: law and name, relative error, whether the interval holds the truth.
     pub parameters: Vec<(String, f64, bool)>,
     /// Why it failed.
     pub failure: Option<String>,
@@ -95,7 +95,8 @@ fn parameters(made: &Made, covered: &mut Covered) -> anyhow::Result<()> {
         if estimate.identifiable {
             let [low, high] = estimate.interval95;
             let error = (estimate.value - truth).abs() / truth.abs().max(f64::MIN_POSITIVE);
-            covered.parameters.push((parameter.name.to_owned(), error, low <= truth && truth <= high));
+            let name = format!("{} {}", found.law, parameter.name);
+            covered.parameters.push((name, error, low <= truth && truth <= high));
         }
     }
     Ok(())
