@@ -63,8 +63,13 @@ pub fn text(found: &Explanation) -> String {
             tables::estimates(&effect.parameters)
         );
         if let Some(experiment) = &effect.separating_experiment {
-            text +=
-                &format!("  to tell it from {}: {experiment}\n", effect.indistinguishable_from.join(" and "));
+            let rivals = effect.indistinguishable_from.join(" and ");
+            let aim = if rivals.is_empty() {
+                "to be sure of it".to_owned()
+            } else {
+                format!("to tell it from {rivals}")
+            };
+            text += &format!("  {aim}: {experiment}\n");
         }
     }
     let law = if found.effects.is_empty() { &found.baseline } else { &found.model };

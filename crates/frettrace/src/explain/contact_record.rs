@@ -23,6 +23,9 @@ use std::collections::BTreeMap;
 /// Fewer samples hold no stroke.
 const LEAST_SAMPLES: usize = 8;
 
+/// Held-out runs within this factor of their floor are as good as explained: what scatter of the values may add.
+const ACCEPTED: f64 = 1.2;
+
 /// A record as the explanation needs it, with the names of its parts.
 struct Parts {
     case: RecordCase,
@@ -150,7 +153,7 @@ fn explanation(
         baseline: side(&outcome.baseline, |error| error.before),
         model: side(&outcome.model, |error| error.after),
         provenance: provenance.clone(),
-        notes: notes(record, outcome, &error),
+        notes: notes(record, outcome, (&error, held_out.as_ref())),
         error: error.clone(),
         held_out: held_out.clone(),
         ..Explanation::default()
@@ -238,7 +241,11 @@ fn effect(record: &ContactRecord, outcome: &RecordOutcome, found: &RecordEffect)
 }
 
 /// What a reader must know.
-fn notes(record: &ContactRecord, outcome: &RecordOutcome, error: &BeforeAfter) -> Vec<String> {
+fn notes(
+    record: &ContactRecord,
+    outcome: &RecordOutcome,
+    (error, held_out): (&BeforeAfter, Option<&BeforeAfter>),
+) -> Vec<String> {
     let mut notes = outcome.notes.clone();
     if in_newtons(record) {
         notes.push("the normal force is not known: friction levels and stiffness are in newtons".to_owned());
@@ -248,6 +255,15 @@ fn notes(record: &ContactRecord, outcome: &RecordOutcome, error: &BeforeAfter) -
             "nothing repeats and no noise is stated: the floor is the scatter of neighbouring samples, a low one"
                 .to_owned(),
         );
+    }
+    if let Some(kept) = held_out.filter(|_| verdict(outcome.verdict) != Verdict::Unexplained) {
+        let times = kept.after / kept.noise_floor.max(f64::MIN_POSITIVE);
+        if times > ACCEPTED {
+            notes.push(format!(
+                "fitted runs are explained to their floor, held-out ones only to {times:.1} times theirs: the law's \
+                 values do not carry over wholly"
+            ));
+        }
     }
     if verdict(outcome.verdict) == Verdict::Unexplained {
         let times = error.after / error.noise_floor.max(f64::MIN_POSITIVE);

@@ -1,6 +1,7 @@
 //! The figures of an explanation.
 
 use super::chart::{Chart, Curve, Ink, Role};
+use super::words::is_contact_record;
 use crate::results::{ContactCurve, ContactLoop, Explanation, ResidualShape, Waveform};
 
 /// One figure.
@@ -18,7 +19,8 @@ pub struct Figure {
 #[must_use]
 pub fn figures(found: &Explanation, ink: Ink) -> Vec<Figure> {
     let exhibits = &found.exhibits;
-    let loops = exhibits.loops.iter().flat_map(|run| contact_loop(run, ink));
+    let force = if is_contact_record(found) { "measured" } else { "recovered" };
+    let loops = exhibits.loops.iter().flat_map(|run| contact_loop(run, force, ink));
     let waveforms = exhibits.waveforms.iter().flat_map(|channel| waveform(channel, ink));
     let shapes = exhibits.residual.iter().map(|shape| residual_shape(shape, ink));
     loops.chain(waveforms).chain(shapes).collect()
@@ -29,19 +31,23 @@ fn title(what: &str, run: &str, label: &str, held_out: bool) -> String {
     format!("{what}, run {run}{label}{}", if held_out { " (held out)" } else { "" })
 }
 
-/// The first point again at the end: a loop is closed.
-fn closed(values: &[f64]) -> Vec<f64> {
-    values.iter().chain(values.first()).copied().collect()
+/// The first point again at the end where the last one is near it: a loop is closed, a part of one is left open.
+fn closed(values: &[f64], slip: &[f64]) -> Vec<f64> {
+    let range = slip.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+    let gap = slip.first().zip(slip.last()).map_or(0.0, |(first, last)| (first - last).abs());
+    let near = gap <= 0.1 * (range.1 - range.0);
+    values.iter().chain(values.first().filter(|_| near)).copied().collect()
 }
 
-fn contact_loop(run: &ContactLoop, ink: Ink) -> Vec<Figure> {
+fn contact_loop(run: &ContactLoop, force: &str, ink: Ink) -> Vec<Figure> {
     let draw = |name: &str, x_label: &str, of: fn(&ContactCurve) -> &[f64]| {
         let named = [
-            ("recovered", Role::Measured, &run.measured),
+            (force, Role::Measured, &run.measured),
             ("declared model", Role::Before, &run.before),
             ("with the effects", Role::After, &run.after),
         ];
-        let points = named.map(|(_, _, curve)| (closed(of(curve)), closed(&curve.force)));
+        let points =
+            named.map(|(_, _, curve)| (closed(of(curve), &curve.slip), closed(&curve.force, &curve.slip)));
         let curves =
             named.iter().zip(&points).map(|((name, role, _), (x, y))| Curve { name, role: *role, x, y });
         let chart = Chart {

@@ -41,8 +41,14 @@ fn verdict(found: &Explanation) -> String {
         Verdict::Unexplained => "unexplained",
     };
     let mut text = format!("<p class=\"verdict {class}\">{}</p>\n", escape(&words::verdict(found)));
-    for experiment in found.effects.iter().filter_map(|effect| effect.separating_experiment.as_deref()) {
-        text += &format!("<p>What would tell the possibilities apart: {}</p>\n", escape(experiment));
+    for effect in &found.effects {
+        let Some(experiment) = &effect.separating_experiment else { continue };
+        let aim = if effect.indistinguishable_from.is_empty() {
+            "What would put it to the test"
+        } else {
+            "What would tell the possibilities apart"
+        };
+        text += &format!("<p>{}: {aim}: {}</p>\n", escape(&effect.id), escape(experiment));
     }
     text
 }
@@ -62,7 +68,7 @@ fn error_rows(name: &str, error: &BeforeAfter) -> String {
         [error.before, error.after, error.noise_floor].into_iter().fold(f64::MIN_POSITIVE, f64::max);
     let row = |what: &str, class: &str, value: f64| {
         format!(
-            "<tr><td>{}, {what}</td><td>{}</td><td class=\"track\">{}</td></tr>\n",
+            "<tr><td class=\"words\">{}, {what}</td><td>{}</td><td class=\"track\">{}</td></tr>\n",
             escape(name),
             words::percent(value),
             bar(class, value / largest)
@@ -198,7 +204,7 @@ fn energy(found: &Explanation) -> String {
     if rows.is_empty() {
         return rows;
     }
-    let force = if is_contact_record(found) { "measured" } else { "recovered" };
+    let force = if words::is_contact_record(found) { "measured" } else { "recovered" };
     format!(
         "<h2>Energy per cycle</h2>\n<p class=\"faint\">What friction takes out of the motion in one period [mJ]: wear \
          follows it.</p>\n<div class=\"scroll\"><table>\n<tr><th>run</th><th></th><th>{force}</th>\
@@ -208,16 +214,11 @@ fn energy(found: &Explanation) -> String {
 
 /// What the measurement cannot show, whatever was found.
 fn unseen(found: &Explanation) -> &'static str {
-    if is_contact_record(found) {
+    if words::is_contact_record(found) {
         "The force is predicted from the motion alone; a constant part of it may be the load cell's or the contact's."
     } else {
         "Mean friction, preload and a constant offset cannot be seen by accelerometers; nothing is said about them."
     }
-}
-
-/// Whether motion and force were measured in the contact itself.
-fn is_contact_record(found: &Explanation) -> bool {
-    found.baseline.error.force.is_some() && found.baseline.error.acceleration.is_none()
 }
 
 fn notes(found: &Explanation) -> String {

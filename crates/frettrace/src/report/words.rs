@@ -95,8 +95,12 @@ pub fn verdict(found: &Explanation) -> String {
             )
         }
         Verdict::Unexplained => {
+            let effects: Vec<_> = found.effects.iter().map(effect).collect();
+            let known =
+                if effects.is_empty() { String::new() } else { format!("{}, and ", effects.join(", and ")) };
+            let more = if effects.is_empty() { "something" } else { "something more" };
             format!(
-                "The declared model ({}) lacks something {} that is in no list: {}.",
+                "The declared model ({}) lacks {known}{more} {} that is in no list: {}.",
                 found.baseline.law,
                 place(found.place),
                 fall(found)
@@ -129,6 +133,11 @@ fn place(place: Option<Place>) -> &'static str {
     }
 }
 
+/// Whether motion and force were measured in the contact itself, so that nothing had to be recovered.
+pub(super) fn is_contact_record(found: &Explanation) -> bool {
+    found.baseline.error.force.is_some() && found.baseline.error.acceleration.is_none()
+}
+
 /// How the error falls, on held-out runs where there are some.
 fn fall(found: &Explanation) -> String {
     let (error, runs) = match &found.held_out {
@@ -136,7 +145,7 @@ fn fall(found: &Explanation) -> String {
         None => (&found.error, "the fitted runs (too few to hold any out)"),
     };
     let floor = percent(error.noise_floor);
-    if found.verdict == Verdict::Explained {
+    if !found.effects.is_empty() || found.verdict == Verdict::Explained {
         format!(
             "the error on {runs} falls from {} to {} (noise {floor})",
             percent(error.before),
@@ -175,8 +184,12 @@ mod tests {
              runs that nothing was fitted to falls from 8.00 % to 1.23 % (noise 1.20 %)."
         );
         assert!(verdict(&found(Verdict::NothingMissing)).contains("is 1.23 % (noise 1.20 %)"));
-        let open = Explanation { place: Some(Place::Contact), ..found(Verdict::Unexplained) };
+        let mut open = Explanation { place: Some(Place::Contact), ..found(Verdict::Unexplained) };
         assert!(verdict(&open).contains("something in the contact that is in no list"));
+        open.effects = vec![Effect { id: "contact.backlash".into(), ..Effect::default() }];
+        let partly = verdict(&open);
+        assert!(partly.contains("contact.backlash") && partly.contains("something more in the contact"));
+        assert!(partly.contains("8.00 %") && partly.contains("1.23 %"), "{partly}");
     }
 
     /// An undefined error is never printed as a number.

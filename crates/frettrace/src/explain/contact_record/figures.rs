@@ -45,13 +45,19 @@ pub(super) fn exhibits(record: &ContactRecord, parts: &Parts, outcome: &RecordOu
     }
 }
 
-/// Samples of the first two whole strokes that count, thinned, and whether there are two: a closed loop.
+/// Samples of two strokes that count, thinned, and whether they are a whole cycle: a closed loop.
 fn window(shown: &Shown<'_>) -> (Vec<usize>, bool) {
     let slip = &shown.run.history.slip;
-    let whole: Vec<Range<usize>> = strokes(slip).into_iter().filter(|s| s.start >= shown.first).collect();
-    let (range, closed) = match &whole[..] {
+    let samples = slip.len();
+    let all = strokes(slip);
+    // The first and the last one are cut off by the ends of the record.
+    let inner = all.get(1..all.len().saturating_sub(1)).unwrap_or_default();
+    let counted: Vec<&Range<usize>> = inner.iter().filter(|s| s.start >= shown.first).collect();
+    let cycle = inner.last().map_or(samples, |stroke| 2 * stroke.len());
+    let (range, closed) = match counted[..] {
         [first, second, ..] => (first.start..second.end + 1, true),
-        _ => (shown.first..slip.len(), false),
+        _ if shown.first + cycle <= samples => (samples - cycle..samples, true),
+        _ => (shown.first..samples, false),
     };
     let stride = range.len().div_ceil(POINTS).max(1);
     (range.step_by(stride).collect(), closed)
