@@ -1,11 +1,14 @@
 //! The list of cases: verification first.
 
+mod cantilever;
 mod compare_friction_velocity;
 mod compare_haptic_pulls;
 mod compare_loop_area;
 pub mod compare_splines;
 mod compare_two_bodies;
+mod explained_contacts;
 mod measured_contacts;
+mod roller_beam;
 mod validate_finite_element_rig;
 mod verify_beam_modes;
 mod verify_friction_loops;
@@ -32,4 +35,6 @@ pub const ALL: &[Case] = &[
     measured_contacts::TRIBOMETER,
     measured_contacts::PISTON_SEALS,
     measured_contacts::MR_DAMPER,
+    cantilever::CASE,
+    roller_beam::CASE,
 ];

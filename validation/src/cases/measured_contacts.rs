@@ -1,5 +1,6 @@
 //! Contact records of other laboratories: the declared law identified on some runs, judged on others.
 
+use super::explained_contacts::explained;
 use crate::case::{Case, Outcome, Row};
 use frettrace::{
     Progress,
@@ -30,29 +31,51 @@ fn piston_seals() -> anyhow::Result<Outcome> {
 }
 
 fn mr_damper() -> anyhow::Result<Outcome> {
-    measured("vargas_2021_mr_damper", &["convert"])
+    measured("vargas_2021_mr_damper", &["convert_ensaio1", "convert_ensaio3_2", "convert_ensaio8a"])
 }
 
 /// Where outside data lie: `FRETTRACE_DATA` (or `measured` in it), or beside the repository.
-fn data() -> PathBuf {
+pub(super) fn data() -> PathBuf {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/measured");
     let folder = std::env::var_os("FRETTRACE_DATA").map_or(beside, PathBuf::from);
     let inner = folder.join("measured");
     if inner.is_dir() { inner } else { folder }
 }
 
-fn measured(set: &str, descriptions: &[&str]) -> anyhow::Result<Outcome> {
-    let data = data();
-    if !data.is_dir() {
-        return Ok(Outcome::Skipped(
-            "the data of others are absent; set FRETTRACE_DATA (see data/README.md)".into(),
-        ));
-    }
+/// The description of how a record is made from raw files.
+pub(super) fn description(set: &str, name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data").join(set);
+    folder.join(name).with_extension("toml")
+}
+
+/// What distinguishes a description in a set.
+pub(super) fn label(name: &str) -> &str {
+    match name.trim_start_matches("convert").trim_start_matches('_') {
+        "" => "the record",
+        name => name,
+    }
+}
+
+/// Which raw file of a description is absent, and what would mend it.
+pub(super) fn absent(description: &Path) -> Option<String> {
+    let text = std::fs::read_to_string(description).unwrap_or_default();
+    let files = text.lines().filter_map(|line| line.trim().strip_prefix("file = \"")?.strip_suffix('"'));
+    let missing = files.map(|file| data().join(file)).find(|file| !file.is_file())?;
+    Some(format!("{} is absent; set FRETTRACE_DATA (see data/README.md)", missing.display()))
+}
+
+/// The declared law identified, then what it lacks.
+fn measured(set: &str, descriptions: &[&str]) -> anyhow::Result<Outcome> {
     let mut rows = Vec::new();
-    for description in descriptions {
-        let path = folder.join(description).with_extension("toml");
-        rows.extend(judged(&data, &path, description.trim_start_matches("convert").trim_start_matches('_'))?);
+    for name in descriptions {
+        let path = description(set, name);
+        if let Some(reason) = absent(&path) {
+            return Ok(Outcome::Skipped(reason));
+        }
+        rows.extend(judged(&data(), &path, name.trim_start_matches("convert").trim_start_matches('_'))?);
+    }
+    if let Outcome::Ran(more) = explained(set, descriptions)? {
+        rows.extend(more);
     }
     Ok(Outcome::Ran(rows))
 }
@@ -71,10 +94,8 @@ fn judged(data: &Path, description: &Path, name: &str) -> anyhow::Result<Vec<Row
         reason: "a change of a fiftieth would be news",
     };
     let training = found.error.force.unwrap_or(f64::NAN);
-    let mut rows = vec![
-        reported("noise floor from repeats", found.error.noise_floor),
-        reported("error on fitted runs", training),
-    ];
+    let mut rows =
+        vec![reported("noise floor", found.error.noise_floor), reported("error on fitted runs", training)];
     if let Some(held_out) = &found.held_out {
         rows.push(Row {
             quantity: label("error on held-out runs"),
