@@ -53,8 +53,18 @@ pub struct RunRecord {
 
 /// Factor on the deviation of a sensor that says nothing.
 const SILENT: f64 = 1e6;
-/// Highest line kept for a model, however high the sampling rate: contact forces have decayed far below any noise.
+/// Highest line kept for a model, however high the sampling rate. What a stiff contact does above it is periodic all the same,
+/// and is compared with nothing.
 const MOST_LINES: usize = 160;
+/// Highest line of the excitation up to which a run may be periodic.
+const MOST_TRIED: usize = 400;
+/// Lines of the excitation on which a subharmonic must show.
+const FEW_LINES: usize = 30;
+/// Factor on what lies beside the lines by which more lines must lessen it.
+const CLEARER: f64 = 0.7;
+/// Share of its power that the lowest lines of a subharmonic may leave: between the whole of it and the least of
+/// [`CLEARER`].
+const NOTICED: f64 = 0.8;
 /// Share of the band below half the sampling rate that is trusted: above it anti-alias filters bend every channel.
 const BAND: f64 = 0.8;
 /// Relative accuracy to which lines can be compared with any model of a beam: bounds the weight of a single line.
@@ -84,25 +94,36 @@ impl RunRecord {
             drift: 0,
         };
         let refined = refine(of_base(nominal, 3), &[run.force])?.base;
-        let mut best: Option<(usize, Vec<Projected>, Projected, f64)> = None;
-        for subharmonic in [1, 2, 3, 4, 5] {
+        let on = |base: f64, order: usize| projected(run, &of_base(base, order));
+        let all = (0.995 * std::f64::consts::PI * run.sampling_rate / refined).floor() as usize;
+        let highest = |subharmonic: usize, most: usize| {
+            (all * subharmonic).min(most * subharmonic).min(samples / 3).max(1)
+        };
+        let mut best: Option<Trial> = None;
+        let tried = |best: &mut Option<Trial>, subharmonic: usize, most: usize| {
             let base = refined / subharmonic as f64;
-            let highest = (0.995 * std::f64::consts::PI * run.sampling_rate / base).floor() as usize;
-            let order = highest.min(MOST_LINES * subharmonic).min(samples / 3).max(1);
-            let Ok(projector) = Projector::new(of_base(base, order)) else { continue };
-            let channels =
-                run.acceleration.iter().map(|x| projector.project(x)).collect::<Result<Vec<_>, _>>()?;
+            let Ok((channels, force)) = on(base, highest(subharmonic, most)) else { return };
             let ratio = worst_beside(&channels, noise);
-            let better = best.as_ref().is_none_or(|(_, _, _, old)| ratio < 0.7 * old);
-            if better {
-                best = Some((subharmonic, channels, projector.project(run.force)?, ratio));
+            if best.as_ref().is_none_or(|old| ratio < CLEARER * old.ratio) {
+                *best = Some(Trial { subharmonic, channels, force, ratio });
             }
-            if ratio < BESIDE_LIMIT {
+        };
+        tried(&mut best, 1, MOST_LINES);
+        if open(best.as_ref()) && all > MOST_LINES {
+            tried(&mut best, 1, MOST_TRIED);
+        }
+        for subharmonic in 2..=5 {
+            if !open(best.as_ref()) {
                 break;
+            }
+            let base = refined / subharmonic as f64;
+            let few = highest(subharmonic, FEW_LINES);
+            if best.as_ref().is_none_or(|old| lessens(run, old, &of_base(base, few))) {
+                tried(&mut best, subharmonic, MOST_LINES);
             }
         }
         let unresolved = ProjectionError::TooShort { samples, unknowns: 3 };
-        let (subharmonic, channels, force, ratio) = best.ok_or(unresolved)?;
+        let Trial { subharmonic, channels, force, ratio } = best.ok_or(unresolved)?;
         let mut noise: Vec<f64> = match noise {
             Some(stated) => stated.to_vec(),
             None => channels.iter().map(between_lines).collect(),
@@ -150,9 +171,9 @@ impl RunRecord {
         (subharmonic, periodic, progress): (usize, bool, f64),
     ) -> Self {
         let samples = run.force.len();
-        // Beyond the trusted band nothing is compared.
+        // Beyond the trusted band, and beyond the lines of a model, nothing is compared.
         let edge = (BAND * std::f64::consts::PI * run.sampling_rate / force.harmonics.base) as usize;
-        let highest = channels[0].harmonics.order().min(edge.max(1));
+        let highest = channels[0].harmonics.order().min(edge.max(1)).min(MOST_LINES * subharmonic);
         let order = significant_order(&channels).max(8 * subharmonic).min(highest);
         let acceleration: Vec<Vec<Complex64>> =
             channels.iter().map(|c| c.harmonics.coefficients[..=order].to_vec()).collect();
@@ -206,6 +227,35 @@ impl RunRecord {
             sampling_rate: run.sampling_rate,
         }
     }
+}
+
+/// A run on the lines of one base frequency.
+struct Trial {
+    subharmonic: usize,
+    channels: Vec<Projected>,
+    force: Projected,
+    /// What lies beside the lines over the noise, in the worst sensor.
+    ratio: f64,
+}
+
+/// Whether something lies beside the lines.
+fn open(best: Option<&Trial>) -> bool {
+    best.is_none_or(|trial| trial.ratio >= BESIDE_LIMIT)
+}
+
+/// All channels and the force on lines.
+fn projected(run: &RunSamples<'_>, lines: &Lines) -> Result<(Vec<Projected>, Projected), ProjectionError> {
+    let projector = Projector::new(*lines)?;
+    let channels = run.acceleration.iter().map(|x| projector.project(x)).collect::<Result<Vec<_>, _>>()?;
+    Ok((channels, projector.project(run.force)?))
+}
+
+/// Whether the few lowest lines of a subharmonic take something out of what lies beside the lines of a trial.
+fn lessens(run: &RunSamples<'_>, trial: &Trial, lines: &Lines) -> bool {
+    let rest: Vec<Vec<f64>> = trial.channels.iter().map(|c| c.residual.clone()).collect();
+    let beside = RunSamples { acceleration: &rest, ..*run };
+    let total = |channels: &[Projected]| channels.iter().map(|c| mean_square(&c.residual)).sum::<f64>();
+    projected(&beside, lines).is_ok_and(|(left, _)| total(&left) < NOTICED * total(&trial.channels))
 }
 
 fn mean_square(x: &[f64]) -> f64 {

@@ -298,7 +298,7 @@ impl<'a> Study<'a> {
 /// Lines of the excitation that the force of a rigid contact gets at least, …
 const RIGID_LINES: usize = 64;
 /// … and at most.
-const MOST_RIGID_LINES: usize = 400;
+const MOST_RIGID_LINES: usize = 256;
 
 /// Lines of a run for the model. The force of a contact that is set-valued at rest has kinks however little of them the
 /// sensors show: it gets twice the lines of one that yields.

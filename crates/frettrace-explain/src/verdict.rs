@@ -507,7 +507,7 @@ impl Search<'_> {
         let untrusted = self.study.case.records.iter().map(|r| r.untrusted).fold(0.0, f64::max);
         if untrusted > 0.0 {
             self.notes.push(format!(
-                "lines above 0.8 of half the sampling rate, where anti-alias filters bend every channel, are in no error: at most {:.1e} of a run's amplitude",
+                "lines above 0.8 of half the sampling rate, where anti-alias filters bend every channel, and above the 160th of the excitation are in no error: at most {:.1e} of a run's amplitude",
                 untrusted.sqrt()
             ));
         }

@@ -27,7 +27,7 @@ pub(super) struct Contact<'a> {
 
 /// States that a law may use, and the motion of a step, as directions of differentiation.
 pub(super) const STATES: usize = 4;
-const MOTIONS: usize = 7;
+pub(super) const MOTIONS: usize = 7;
 /// Law parameters differentiated at once.
 pub(super) const PARAMETERS: usize = 14;
 const WIDTH: usize = STATES + MOTIONS + PARAMETERS;

@@ -1,6 +1,7 @@
 //! Linearisation of one run: what the laws answer to a change of forces, motions or parameters.
 
-use super::contact::{Local, PARAMETERS, STATES};
+use super::contact::{Local, PARAMETERS};
+use super::response::Response;
 use super::run::{Evaluation, LEAK, State, store, velocity};
 use super::setting::PortPlace;
 use frettrace_fourier::GridScratch;
@@ -29,7 +30,7 @@ pub(super) struct Tangent<'a> {
     locals: Vec<Local>,
     /// `∂f/∂d`, `∂f/∂ḋ` and `∂f/∂c` of every port at every sample.
     ports: Vec<Vec<super::ports::PortForce>>,
-    used: usize,
+    response: Response,
 }
 
 impl<'a> Tangent<'a> {
@@ -52,7 +53,8 @@ impl<'a> Tangent<'a> {
         } else {
             1
         };
-        Self { evaluation, locals, ports, used }
+        let response = Response::new(&locals, used);
+        Self { evaluation, locals, ports, response }
     }
 
     /// The direction of given lines of motion in every row.
@@ -130,45 +132,18 @@ impl<'a> Tangent<'a> {
         let still = vec![0.0; if moves { 0 } else { samples }];
         let (slip, speed) = if moves { (&direction.slip, &direction.velocity) } else { (&still, &still) };
         let hook = direction.hook.filter(|h| *h < PARAMETERS).map(|h| Local::PARAMETER + h);
-        let m = self.used;
-        let mut force = vec![0.0; samples];
-        // Column 0 is the direction from a state at rest, the others the period's answer to its initial state.
-        let mut columns = [[0.0; STATES]; STATES + 1];
-        for i in 0..m {
-            columns[1 + i][i] = 1.0;
-        }
-        let mut initial = vec![[0.0; STATES]; samples];
-        for (k, local) in self.locals.iter().enumerate() {
-            let next = if k + 1 == samples { 0 } else { k + 1 };
-            let trial = direction.trial.get(next).copied().unwrap_or_default();
-            let motion = [slip[k], slip[next], speed[k], speed[next], normal[k], normal[next], trial];
-            let drive = |gradient: &[f64]| -> f64 {
-                let by_motion: f64 = motion.iter().zip(&gradient[Local::MOTION..]).map(|(a, b)| a * b).sum();
-                by_motion + hook.map_or(0.0, |h| gradient[h])
-            };
-            let flow = |gradient: &[f64], column: &[f64; STATES]| -> f64 {
-                (0..m).map(|i| gradient[i] * column[i]).sum()
-            };
-            force[next] = drive(&local.force) + flow(&local.force, &columns[0]);
-            for i in 0..m {
-                initial[next][i] = flow(&local.force, &columns[1 + i]);
-            }
-            let mut after = [[0.0; STATES]; STATES + 1];
-            for (c, column) in columns.iter().enumerate().take(m + 1) {
-                for (state, gradient) in after[c].iter_mut().zip(&local.state).take(m) {
-                    *state = flow(gradient, column);
-                }
-            }
-            for (state, gradient) in after[0].iter_mut().zip(&local.state).take(m) {
-                *state += drive(gradient);
-            }
-            columns = after;
-        }
-        let start = close(&columns, m);
-        for (f, by_start) in force.iter_mut().zip(&initial) {
-            *f += (0..m).map(|i| by_start[i] * start[i]).sum::<f64>();
-        }
-        force
+        self.response.answer(
+            |k, next| {
+                let trial = direction.trial.get(next).copied().unwrap_or_default();
+                [slip[k], slip[next], speed[k], speed[next], normal[k], normal[next], trial]
+            },
+            |k| {
+                let (local, hook) = (&self.locals[k], hook?);
+                Some(std::array::from_fn(
+                    |i| if i == 0 { local.force[hook] } else { local.state[i - 1][hook] },
+                ))
+            },
+        )
     }
 
     /// Change of the residual `f − Φ(f)` per unknown, column by column.
@@ -296,24 +271,4 @@ impl Tables {
             }
         }
     }
-}
-
-/// `(I − Φ)⁻¹ g` for the period map `Φ`; a state that never forgets stays where it started.
-fn close(columns: &[[f64; STATES]; STATES + 1], m: usize) -> [f64; STATES] {
-    let mut matrix = nalgebra::SMatrix::<f64, STATES, STATES>::identity();
-    let mut right = nalgebra::SVector::<f64, STATES>::zeros();
-    for i in 0..m {
-        right[i] = columns[0][i];
-        for j in 0..m {
-            matrix[(i, j)] -= columns[1 + j][i];
-        }
-        if matrix[(i, i)].abs() < 1e-7 {
-            right[i] = 0.0;
-            for j in 0..m {
-                matrix[(i, j)] = f64::from(u8::from(i == j));
-            }
-        }
-    }
-    let solution = matrix.lu().solve(&right).unwrap_or_default();
-    std::array::from_fn(|i| solution[i])
 }

@@ -11,6 +11,7 @@ mod least_squares;
 mod linear;
 mod model;
 mod ports;
+mod response;
 mod run;
 mod setting;
 mod structure;
