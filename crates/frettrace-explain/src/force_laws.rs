@@ -13,6 +13,8 @@ const LINES: usize = 48;
 const RELATIVE_ACCURACY: f64 = 5e-4;
 /// Thresholds tried between nothing and the largest motion.
 const THRESHOLDS: usize = 24;
+/// Powers of the velocity that are tried, and what each is above the one before.
+const POWERS: (f64, f64) = (0.4, 0.15);
 
 /// A law that a force may follow.
 pub(crate) struct Shape {
@@ -32,6 +34,7 @@ pub(crate) fn shapes(place: PortPlace) -> Vec<Shape> {
     let polynomial =
         |id, free: &'static [usize]| Shape { id, law: PortLaw::Polynomial, free, linear: free, side: 0.0 };
     let support = |law, free, linear, side| Shape { id: "structure.second-support", law, free, linear, side };
+    let scaled = |id, law| Shape { id, law, free: &[0, 1], linear: &[0], side: 0.0 };
     let smooth =
         [polynomial("structure.cubic-stiffness", &[2]), polynomial("structure.quadratic-damping", &[3])];
     match place {
@@ -39,21 +42,27 @@ pub(crate) fn shapes(place: PortPlace) -> Vec<Shape> {
         PortPlace::At(_) => smooth
             .into_iter()
             .chain([
+                scaled("structure.cubic-stiffness", PortLaw::Yielding),
+                scaled("structure.quadratic-damping", PortLaw::Power),
                 polynomial("structure.second-support", &[0, 1]),
                 polynomial("structure.second-support", &[0, 1, 2]),
                 support(PortLaw::Gap, &[0, 1, 2], &[0, 2], 0.0),
                 support(PortLaw::Stop, &[0, 1, 2], &[0, 2], 1.0),
                 support(PortLaw::Stop, &[0, 1, 2], &[0, 2], -1.0),
+                support(PortLaw::Round, &[0, 1], &[0], 1.0),
+                support(PortLaw::Round, &[0, 1], &[0], -1.0),
                 support(PortLaw::Friction, &[0, 1, 2], &[0, 2], 0.0),
             ])
             .collect(),
-        PortPlace::Support => vec![Shape {
-            id: "contact.normal-stiffening",
-            law: PortLaw::Stiffening,
-            free: &[0, 1],
-            linear: &[0, 1],
-            side: 0.0,
-        }],
+        PortPlace::Support => [&[0, 1][..], &[0, 1, 2, 3]]
+            .map(|free| Shape {
+                id: "contact.normal-stiffening",
+                law: PortLaw::Stiffening,
+                free,
+                linear: free,
+                side: 0.0,
+            })
+            .into(),
     }
 }
 
@@ -73,8 +82,11 @@ pub(crate) fn names(law: PortLaw, modal: bool) -> [(&'static str, &'static str);
             ("quadratic_damping", "N·s^2/m^2"),
         ],
         (PortLaw::Stiffening, _) => {
-            [("quadratic_stiffness", "N/m^2"), ("cubic_stiffness", "N/m^3"), NONE, NONE]
+            [("quadratic_stiffness", "N/m^2"), ("cubic_stiffness", "N/m^3"), QUARTIC, QUINTIC]
         }
+        (PortLaw::Yielding, _) => [("cubic_stiffness", "N/m^3"), ("yield_displacement", "m"), NONE, NONE],
+        (PortLaw::Power, _) => [("damping_force", "N"), ("power", "1"), NONE, NONE],
+        (PortLaw::Round, _) => [("stiffness", "N/m^1.5"), ("gap", "m"), NONE, NONE],
         (PortLaw::Friction, _) => {
             [("friction_force", "N"), ("transition_velocity", "m/s"), ("stiffness", "N/m"), NONE]
         }
@@ -86,6 +98,8 @@ pub(crate) fn names(law: PortLaw, modal: bool) -> [(&'static str, &'static str);
 }
 
 const NONE: (&str, &str) = ("", "");
+const QUARTIC: (&str, &str) = ("quartic_stiffness", "N/m^4");
+const QUINTIC: (&str, &str) = ("quintic_stiffness", "N/m^5");
 
 /// Recovered motion and force of one run.
 pub(crate) struct History {
@@ -164,17 +178,22 @@ pub(crate) fn regress(histories: &[History], shape: &Shape) -> Option<Answer> {
         histories.iter().flat_map(|h| of(h).iter()).fold(0.0, |m: f64, x| m.max(x.abs()))
     };
     let reach = match shape.law {
-        PortLaw::Gap | PortLaw::Stop => widest(&|h| &h.displacement),
-        PortLaw::Friction => widest(&|h| &h.velocity),
-        _ => return linear_fit(histories, shape, 0.0),
+        PortLaw::Gap | PortLaw::Stop | PortLaw::Round => widest(&|h| &h.displacement),
+        // A spring that does not yield below three times the motion is a cubic one.
+        PortLaw::Yielding => 3.0 * widest(&|h| &h.displacement),
+        PortLaw::Friction | PortLaw::Power => widest(&|h| &h.velocity),
+        _ => return linear_fit(histories, shape, (0.0, 0.0)),
     };
     // A threshold by scan over a ladder of sizes, then by golden section between the neighbours of the best.
     let mut ladder: Vec<f64> = (0..THRESHOLDS).map(|k| reach * 0.97 * (0.82_f64).powi(k as i32)).collect();
-    if shape.law == PortLaw::Stop {
+    if matches!(shape.law, PortLaw::Stop | PortLaw::Round) {
         // A stop may be pressed on at rest.
         ladder.extend((0..THRESHOLDS).rev().map(|k| -reach * 0.97 * (0.82_f64).powi(k as i32)));
     }
-    let chi = |c: f64| linear_fit(histories, shape, c).map_or(f64::INFINITY, |a| a.chi);
+    if shape.law == PortLaw::Power {
+        ladder = (0..THRESHOLDS).rev().map(|k| POWERS.0 + POWERS.1 * k as f64).collect();
+    }
+    let chi = |c: f64| linear_fit(histories, shape, (c, reach)).map_or(f64::INFINITY, |a| a.chi);
     let values: Vec<f64> = ladder.iter().map(|&c| chi(c)).collect();
     let best = (0..ladder.len()).min_by(|&a, &b| values[a].total_cmp(&values[b]))?;
     let (mut low, mut high) = (ladder[(best + 1).min(ladder.len() - 1)], ladder[best.saturating_sub(1)]);
@@ -187,8 +206,8 @@ pub(crate) fn regress(histories: &[History], shape: &Shape) -> Option<Answer> {
             low = a;
         }
     }
-    let refined = linear_fit(histories, shape, 0.5 * (low + high));
-    let plain = linear_fit(histories, shape, ladder[best]);
+    let refined = linear_fit(histories, shape, (0.5 * (low + high), reach));
+    let plain = linear_fit(histories, shape, (ladder[best], reach));
     [refined, plain].into_iter().flatten().min_by(|a, b| a.chi.total_cmp(&b.chi))
 }
 
@@ -197,7 +216,7 @@ fn dissipates(law: PortLaw, coefficient: usize) -> bool {
     match law {
         PortLaw::Polynomial => matches!(coefficient, 1 | 3),
         PortLaw::Gap | PortLaw::Stop => coefficient == 2,
-        PortLaw::Friction => coefficient == 0,
+        PortLaw::Friction | PortLaw::Power => coefficient == 0,
         _ => false,
     }
 }
@@ -205,7 +224,7 @@ fn dissipates(law: PortLaw, coefficient: usize) -> bool {
 /// Whether a coefficient is the stiffness of a support, which cannot be negative.
 fn carries(law: PortLaw, coefficient: usize) -> bool {
     match law {
-        PortLaw::Polynomial | PortLaw::Gap | PortLaw::Stop => coefficient == 0,
+        PortLaw::Polynomial | PortLaw::Gap | PortLaw::Stop | PortLaw::Round => coefficient == 0,
         PortLaw::Friction => coefficient == 2,
         _ => false,
     }
@@ -213,10 +232,10 @@ fn carries(law: PortLaw, coefficient: usize) -> bool {
 
 /// Linear coefficients by least squares at a threshold, none of them against physics: a negative dashpot is left out, a
 /// negative spring is no support.
-fn linear_fit(histories: &[History], shape: &Shape, threshold: f64) -> Option<Answer> {
+fn linear_fit(histories: &[History], shape: &Shape, threshold: (f64, f64)) -> Option<Answer> {
     let mut linear = shape.linear.to_vec();
     loop {
-        let found = solve(histories, shape, (threshold, &linear))?;
+        let found = solve(histories, shape, threshold, &linear)?;
         let negative = linear.iter().position(|&k| dissipates(shape.law, k) && found.coefficients[k] < 0.0);
         match negative {
             Some(place) if linear.len() > 1 => drop(linear.remove(place)),
@@ -229,11 +248,17 @@ fn linear_fit(histories: &[History], shape: &Shape, threshold: f64) -> Option<An
     }
 }
 
-fn solve(histories: &[History], shape: &Shape, (threshold, linear): (f64, &[usize])) -> Option<Answer> {
-    let mut at = [1.0, threshold, 0.0, shape.side];
-    if !matches!(shape.law, PortLaw::Gap | PortLaw::Stop | PortLaw::Friction) {
-        at = [0.0; COEFFICIENTS];
-    }
+fn solve(
+    histories: &[History],
+    shape: &Shape,
+    (threshold, reach): (f64, f64),
+    linear: &[usize],
+) -> Option<Answer> {
+    let at = match shape.law {
+        PortLaw::Power => [1.0, threshold, reach, 0.0],
+        PortLaw::Polynomial | PortLaw::Stiffening | PortLaw::LiftOff => [0.0; COEFFICIENTS],
+        _ => [1.0, threshold, 0.0, shape.side],
+    };
     let rows: usize = histories.iter().map(History::count).sum();
     let width = linear.len();
     let mut matrix = DMatrix::zeros(rows, width);

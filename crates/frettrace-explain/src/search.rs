@@ -27,6 +27,13 @@ const SUFFICIENT: f64 = 1.2;
 /// … and no more than this share of the declared model's excess is left: model errors of other rigs are of that size.
 const REST: f64 = 0.01;
 
+/// Error over noise of every training run up to which a name may stand where the formula differs: twice the noise, …
+const OTHER_FORMULA: f64 = 2.0;
+/// … the share of the declared model's excess that may be left then, …
+const DOMINANT: f64 = 1e-3;
+/// … and the factor by which rivals must leave more.
+const RIVALS: f64 = 10.0;
+
 /// A law on recovered contacts, with what it costs.
 #[derive(Clone)]
 pub(crate) struct ContactCandidate {
@@ -93,6 +100,14 @@ impl Explained {
     /// excess, and an error within a fifth of the noise.
     pub(crate) fn sufficient(&self, baseline: &Self) -> bool {
         self.worst <= SUFFICIENT && self.excess() <= REST * baseline.excess()
+    }
+
+    /// Whether one mechanism takes so much away that its name is out of doubt though its formula is not this one: a thousandth
+    /// of the excess of `baseline` is left, an error within twice the noise, and `rivals` leave ten times as much.
+    pub(crate) fn dominant(&self, baseline: &Self, rivals: f64) -> bool {
+        self.worst <= OTHER_FORMULA
+            && self.excess() <= DOMINANT * baseline.excess()
+            && self.excess() * RIVALS <= rivals
     }
 
     /// Whether nothing is left to explain.

@@ -222,7 +222,8 @@ impl Study<'_> {
             .map(|&k| {
                 let value = port.coefficients[k];
                 let (name, unit) = names(port.law, modal)[k];
-                let threshold = matches!(port.law, PortLaw::Gap | PortLaw::Friction) && k == 1;
+                let positive = [PortLaw::Gap, PortLaw::Friction, PortLaw::Yielding, PortLaw::Power];
+                let threshold = positive.contains(&port.law) && k == 1;
                 let bounds = if threshold { (0.0, f64::INFINITY) } else { FREE };
                 signed(Quantity::Port(index, k), (name, unit), 0.1 * value.abs().max(1e-30), bounds)
             })

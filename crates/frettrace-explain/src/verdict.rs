@@ -108,6 +108,7 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
     let mut search = Search {
         study,
         refined: false,
+        other_formula: false,
         coarse: None,
         before: Vec::new(),
         tried: Vec::new(),
@@ -129,13 +130,15 @@ struct Search<'a> {
     study: Study<'a>,
     /// Whether the study is on its finer grid.
     refined: bool,
+    /// Whether a name stands whose formula leaves more than the noise.
+    other_formula: bool,
     /// The study on its plain grid, while it is not settled that the finer one stays.
     coarse: Option<Study<'a>>,
     /// Errors of the declared model: training runs, then held-out runs where there are any.
     before: Vec<RunError>,
     tried: Vec<Tried>,
-    /// Complete models beside the best one, with their criteria.
-    rivals: Vec<(usize, f64)>,
+    /// Models beside the best one: last effect, criterion, excess over the noise.
+    rivals: Vec<(usize, f64, f64)>,
     notes: Vec<String>,
 }
 
@@ -197,6 +200,28 @@ impl Search<'_> {
 
     /// Adds effects until the model is complete or nothing more is worth it.
     fn close(&mut self, baseline: &Explained) -> Result<Explained, ExplainError> {
+        let mut single = None;
+        let current = self.extended(baseline, &mut single)?;
+        if current.complete() || current.sufficient(baseline) {
+            return Ok(current);
+        }
+        let Some((one, rivals)) = single else { return Ok(current) };
+        let left = least_excess(&one, &rivals);
+        if !one.dominant(baseline, left) {
+            return Ok(current);
+        }
+        // What a second effect took would be the first one's other formula.
+        self.rivals = rivals;
+        self.other_formula = true;
+        Ok(one)
+    }
+
+    /// The model with effects, and on the way the one with a single effect and its rivals.
+    fn extended(
+        &mut self,
+        baseline: &Explained,
+        single: &mut Option<(Explained, Vec<(usize, f64, f64)>)>,
+    ) -> Result<Explained, ExplainError> {
         let mut current = baseline.clone();
         for _ in 0..MOST_EFFECTS {
             self.calibrate(&mut current);
@@ -233,6 +258,9 @@ impl Search<'_> {
             }
             self.coarse = None;
             current = better;
+            if before.effects.is_empty() {
+                *single = Some((current.clone(), self.rivals.clone()));
+            }
             if current.complete() && current.effects.len() > 1 {
                 current = self.pruned(current, &before);
                 if current.effects.len() == before.effects.len() {
@@ -344,7 +372,7 @@ impl Search<'_> {
         }
         self.rivals = found
             .iter()
-            .filter_map(|one| one.effects.last().map(|&effect| (effect, one.criterion)))
+            .filter_map(|one| one.effects.last().map(|&effect| (effect, one.criterion, one.excess())))
             .collect();
         let best = found.first()?.criterion;
         // A richer effect that contains a simpler one must earn its name against it.
@@ -448,7 +476,8 @@ impl Search<'_> {
         let faults = &self.study.case.faults;
         let named: Vec<&ChannelFault> = faults.iter().filter(|f| self.study.case.allows(f.id)).collect();
         let nameless = named.len() < faults.len();
-        let filled = (model.complete() || model.sufficient(&baseline)) && borne_out;
+        let near = model.complete() || model.sufficient(&baseline) || self.other_formula;
+        let filled = near && borne_out;
         let complete = filled && !nameless;
         let verdict = match (model.effects.is_empty() && named.is_empty(), complete) {
             (true, true) => Verdict::NothingMissing,
@@ -519,6 +548,13 @@ impl Search<'_> {
                 "{left_out} runs are not periodic: no waveform is predicted for them; {entered} of them entered through the recovered force, which the law misses by {before:.1} % before and {after:.1} % after"
             ));
         }
+        if self.other_formula {
+            self.notes.push(format!(
+                "the named effect leaves {:.2} times the noise in the worst training run: its formula here is another one, but it takes {:.2} % of what was missing and every rival leaves ten times as much",
+                model.worst,
+                100.0 * (1.0 - model.excess() / baseline.excess())
+            ));
+        }
         if self.refined {
             self.notes.push("the model with the effects was fitted on a phase grid twice as fine".into());
         }
@@ -539,7 +575,11 @@ impl Search<'_> {
     fn named(&self, model: &Explained) -> Vec<Named> {
         let best = model.criterion;
         let close = |effect: usize| {
-            self.rivals.iter().filter(move |(e, criterion)| *e != effect && criterion - best < EVIDENCE)
+            let near = self
+                .rivals
+                .iter()
+                .filter(move |(e, criterion, _)| *e != effect && criterion - best < EVIDENCE);
+            near.map(|&(e, criterion, _)| (e, criterion))
         };
         model
             .effects
@@ -557,7 +597,7 @@ impl Search<'_> {
                     sensor,
                     parameters: parameters(model, k),
                     indistinguishable: if last {
-                        at_most_two(effect, close(effect).map(|(e, _)| *e))
+                        at_most_two(effect, close(effect).map(|(e, _)| e))
                     } else {
                         Vec::new()
                     },
@@ -566,6 +606,12 @@ impl Search<'_> {
             })
             .collect()
     }
+}
+
+/// The least that a model with another effect leaves over the noise.
+fn least_excess(model: &Explained, rivals: &[(usize, f64, f64)]) -> f64 {
+    let others = rivals.iter().filter(|(effect, ..)| !model.effects.contains(effect));
+    others.map(|(.., excess)| *excess).fold(f64::INFINITY, f64::min)
 }
 
 /// A fault of a channel as a named effect: it was seen in the samples themselves.

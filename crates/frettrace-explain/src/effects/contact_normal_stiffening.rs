@@ -1,6 +1,6 @@
 //! `contact.normal-stiffening`.
 //!
-//! *Adds*: a support spring that stiffens, `k₂w² + k₃w³` beside its linear part.
+//! *Adds*: a support spring that stiffens, `k₂w² + k₃w³` beside its linear part, up to `k₅w⁵` where the data ask for it.
 //!
 //! *Shows as*: even and third harmonics at all sensors that grow with the square and cube of the motion of the end.
 //!
@@ -38,15 +38,26 @@ impl Effect for ContactNormalStiffening {
             Port { place: PortPlace::Support, law: PortLaw::Stiffening, coefficients: [0.0; COEFFICIENTS] };
         let (setting, index) = with_port(setting, port);
         let depth = scales.preload / stiffness;
-        let unknowns = vec![
-            signed(Quantity::Port(index, 0), ("support_square", "N/m^2"), 0.1 * stiffness / depth, FREE),
-            signed(
-                Quantity::Port(index, 1),
-                ("support_cube", "N/m^3"),
-                0.1 * stiffness / (depth * depth),
-                FREE,
-            ),
-        ];
-        vec![StructureForm { setting, unknowns, sensor: None }]
+        let coefficient = |k: usize| {
+            let degree = k as i32 + 2;
+            let size = 0.1 * stiffness * depth.powi(1 - degree);
+            signed(Quantity::Port(index, k), NAMES[k], size, FREE)
+        };
+        // Two terms say what most supports do; four carry other curves.
+        [2, 4]
+            .map(|terms| StructureForm {
+                setting: setting.clone(),
+                unknowns: (0..terms).map(coefficient).collect(),
+                sensor: None,
+            })
+            .into()
     }
 }
+
+/// Coefficients of the second to the fifth power of the displacement.
+const NAMES: [(&str, &str); COEFFICIENTS] = [
+    ("support_square", "N/m^2"),
+    ("support_cube", "N/m^3"),
+    ("support_quartic", "N/m^4"),
+    ("support_quintic", "N/m^5"),
+];

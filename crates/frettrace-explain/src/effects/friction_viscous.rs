@@ -1,6 +1,6 @@
 //! `friction.viscous`.
 //!
-//! *Adds*: a force `σ2·v` beside the bristles.
+//! *Adds*: a force `σ2·v` beside the bristles; where the data ask for it `σ2·v + σ2'·v|v|` or `σ2·v·|v/v₀|^{p−1}`.
 //!
 //! *Shows as*: a force in phase with the slip velocity that grows with the level.
 //!
@@ -40,6 +40,11 @@ impl Effect for FrictionViscous {
             ContactForm::new(vec![
                 Change::from_zero(Hook::Viscous, size),
                 Change::signed(Hook::ViscousSquare, 0.3 * size / scales.velocity),
+            ]),
+            ContactForm::new(vec![
+                Change::from_zero(Hook::Viscous, size),
+                Change::between(Hook::ViscousPower, 1.0, (0.2, 4.0)),
+                Change::fixed(Hook::ViscousReference, scales.velocity),
             ]),
         ]
     }

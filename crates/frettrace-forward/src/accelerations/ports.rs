@@ -13,12 +13,18 @@ pub enum PortLaw {
     Stop,
     /// A support spring that cannot pull: `−(k d − P)⁺` with `k = c₀`, `P = c₁`.
     LiftOff,
-    /// `c₀ d² + c₁ d³`.
+    /// `c₀ d² + c₁ d³ + c₂ d⁴ + c₃ d⁵`.
     Stiffening,
     /// Play on both sides: `c₀ (|d| − c₁)⁺ sgn d + c₂ ḋ`.
     Gap,
     /// Coulomb friction smoothed over a displacement-free velocity: `c₀ tanh(ḋ/c₁) + c₂ d`.
     Friction,
+    /// A cubic spring that yields: `c₀ d³/(1 + (d/c₁)²)`.
+    Yielding,
+    /// Damping by a power of the velocity: `c₀ |ḋ/c₂|^c₁ sgn ḋ`; the reference velocity `c₂` is not fitted.
+    Power,
+    /// A round stop on one side: `c₀ ((d − c₁)⁺)^{3/2}`; the side is the sign of `c₃` (not fitted).
+    Round,
 }
 
 /// Force and its derivatives.
@@ -61,13 +67,22 @@ impl PortLaw {
                     coefficients: [-slope * d, slope, 0.0, 0.0],
                 }
             }
-            Self::Stiffening => PortForce {
-                force: c[0] * d * d + c[1] * d * d * d,
-                stiffness: 2.0 * c[0] * d + 3.0 * c[1] * d * d,
-                damping: 0.0,
-                coefficients: [d * d, d * d * d, 0.0, 0.0],
-            },
+            Self::Stiffening => {
+                let powers = [d * d, d.powi(3), d.powi(4), d.powi(5)];
+                PortForce {
+                    force: c.iter().zip(powers).map(|(c, p)| c * p).sum(),
+                    stiffness: 2.0 * c[0] * d
+                        + 3.0 * c[1] * d * d
+                        + 4.0 * c[2] * d.powi(3)
+                        + 5.0 * c[3] * d.powi(4),
+                    damping: 0.0,
+                    coefficients: powers,
+                }
+            }
             Self::Gap => gap(c, d, v),
+            Self::Yielding => yielding(c, d),
+            Self::Power => power(c, v),
+            Self::Round => round(c, d),
             Self::Friction => {
                 let t = (v / c[1]).tanh();
                 let slope = c[0] * (1.0 - t * t) / c[1];
@@ -104,6 +119,43 @@ fn gap(c: &[f64; COEFFICIENTS], d: f64, v: f64) -> PortForce {
     }
 }
 
+fn yielding(c: &[f64; COEFFICIENTS], d: f64) -> PortForce {
+    let x = d / c[1];
+    let below = 1.0 + x * x;
+    let shape = d.powi(3) / below;
+    PortForce {
+        force: c[0] * shape,
+        stiffness: c[0] * d * d * (3.0 + x * x) / (below * below),
+        damping: 0.0,
+        coefficients: [shape, 2.0 * c[0] * shape * x * x / (c[1] * below), 0.0, 0.0],
+    }
+}
+
+/// The corner at rest of a power below one is rounded over a thousandth of the reference velocity.
+fn power(c: &[f64; COEFFICIENTS], v: f64) -> PortForce {
+    let x = v / c[2];
+    let size = (x * x + 1e-6).sqrt();
+    let growth = size.powf(c[1] - 1.0);
+    PortForce {
+        force: c[0] * x * growth,
+        stiffness: 0.0,
+        damping: c[0] * growth / c[2] * (1.0 + (c[1] - 1.0) * x * x / (size * size)),
+        coefficients: [x * growth, c[0] * x * growth * size.ln(), 0.0, 0.0],
+    }
+}
+
+fn round(c: &[f64; COEFFICIENTS], d: f64) -> PortForce {
+    let side = if c[3] < 0.0 { -1.0 } else { 1.0 };
+    let (depth, slope) = positive(side * d - c[1], 1e-3 * c[1].abs() + 1e-9);
+    let root = depth.sqrt();
+    PortForce {
+        force: side * c[0] * depth * root,
+        stiffness: 1.5 * c[0] * root * slope,
+        damping: 0.0,
+        coefficients: [side * depth * root, -1.5 * side * c[0] * root * slope, 0.0, 0.0],
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -115,7 +167,10 @@ mod tests {
             (PortLaw::Polynomial, [2.0, 0.3, 5.0, 0.7]),
             (PortLaw::Stop, [2.0, 0.1, 0.4, -1.0]),
             (PortLaw::LiftOff, [3.0, 0.5, 0.0, 0.0]),
-            (PortLaw::Stiffening, [2.0, 4.0, 0.0, 0.0]),
+            (PortLaw::Stiffening, [2.0, 4.0, -3.0, 5.0]),
+            (PortLaw::Yielding, [2.0, 0.3, 0.0, 0.0]),
+            (PortLaw::Power, [2.0, 1.4, 0.2, 0.0]),
+            (PortLaw::Round, [2.0, 0.1, 0.0, -1.0]),
             (PortLaw::Gap, [2.0, 0.1, 0.4, 0.0]),
             (PortLaw::Friction, [2.0, 0.2, 1.0, 0.0]),
         ];
@@ -127,7 +182,7 @@ mod tests {
                 let by_v = (law.force(&c, d, v + e).force - law.force(&c, d, v - e).force) / (2.0 * e);
                 assert!((at.stiffness - by_d).abs() < 1e-4, "{law:?} {d} {v}: {} {by_d}", at.stiffness);
                 assert!((at.damping - by_v).abs() < 1e-4, "{law:?} {d} {v}: {} {by_v}", at.damping);
-                for k in 0..3 {
+                for k in 0..if law == PortLaw::Power { 2 } else { 3 } {
                     let (mut up, mut down) = (c, c);
                     up[k] += e;
                     down[k] -= e;

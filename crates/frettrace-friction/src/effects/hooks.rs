@@ -1,7 +1,7 @@
 //! The parameters of the modified law.
 
 /// Number of hooks.
-pub const HOOKS: usize = 48;
+pub const HOOKS: usize = 50;
 
 /// A parameter of [`ModifiedLaw`](super::ModifiedLaw): those of the declared laws first, then those of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -103,6 +103,10 @@ pub enum Hook {
     FlowPower,
     /// Slip beyond which the change of the friction coefficient with slip saturates, `u/√(1 + (u/s)²)` \[m\].
     PositionScale,
+    /// Power `p` of the viscous force, `σ2·v·|v/v₀|^{p−1}`.
+    ViscousPower,
+    /// Its reference velocity `v₀` (m/s).
+    ViscousReference,
 }
 
 impl Hook {
@@ -156,6 +160,8 @@ impl Hook {
         Self::DampingRational,
         Self::FlowPower,
         Self::PositionScale,
+        Self::ViscousPower,
+        Self::ViscousReference,
     ];
 
     /// Its name in results and its unit.
@@ -210,6 +216,8 @@ impl Hook {
             Self::DampingRational => ("damping_rational", "1"),
             Self::FlowPower => ("flow_power", "1"),
             Self::PositionScale => ("position_scale", "m"),
+            Self::ViscousPower => ("viscous_power", "1"),
+            Self::ViscousReference => ("viscous_reference", "m/s"),
         }
     }
 }

@@ -235,7 +235,7 @@ impl<T: Scalar> ModifiedLaw<T> {
         }
         let mut force = pressed * ratio;
         if self.on(Hook::Viscous) {
-            force += self.at(Hook::Viscous) * velocity;
+            force += self.at(Hook::Viscous) * velocity * self.thickening(velocity);
         }
         if self.on(Hook::ViscousSquare) {
             force += self.at(Hook::ViscousSquare) * velocity * velocity.abs();
@@ -247,6 +247,16 @@ impl<T: Scalar> ModifiedLaw<T> {
             force += self.at(Hook::ParallelCubic) * end.slip * end.slip * end.slip;
         }
         force
+    }
+
+    /// `|v/v₀|^{p−1}` of the viscous force, one where no power is stated; the corner at rest of a power below one is rounded
+    /// over `v₀/1000`.
+    fn thickening(&self, velocity: T) -> T {
+        if !self.on(Hook::ViscousPower) {
+            return T::from(1.0);
+        }
+        let x = velocity / self.at(Hook::ViscousReference);
+        ((self.at(Hook::ViscousPower) - 1.0) * 0.5 * (x * x + 1e-6).ln()).exp()
     }
 
     /// `σ1(v)·ż` with `ż = v·φ(r)`.

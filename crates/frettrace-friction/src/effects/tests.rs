@@ -91,6 +91,7 @@ fn neutral_shapes_change_nothing() {
         (vec![(Hook::Asymmetry, 0.2)], Hook::AsymmetryVelocity, 1e-9, 1e-5),
         (vec![(Hook::NormalExponent, 0.3)], Hook::NormalCurvature, 0.0, 1e-12),
         (vec![(Hook::Position, 0.4)], Hook::PositionScale, 1e6, 1e-9),
+        (vec![(Hook::Viscous, 0.1), (Hook::ViscousReference, 2.0)], Hook::ViscousPower, 1.0, 1e-12),
         (vec![(Hook::Wear, 0.4)], Hook::WearExponent, 1.0, 1e-12),
         (vec![(Hook::Sigma1, 0.01), (Hook::DampingVelocity, 1.0)], Hook::DampingRational, 0.0, 1e-12),
     ];
