@@ -27,8 +27,8 @@ const SUFFICIENT: f64 = 1.2;
 /// … and no more than this share of the declared model's excess is left: model errors of other rigs are of that size.
 const REST: f64 = 0.01;
 
-/// Error over noise of every training run up to which a name may stand where the formula differs: twice the noise, …
-const OTHER_FORMULA: f64 = 2.0;
+/// Error over noise of every training run up to which a name may stand where the formula differs, …
+const OTHER_FORMULA: f64 = 3.0;
 /// … the share of the declared model's excess that may be left then, …
 const DOMINANT: f64 = 1e-3;
 /// … and the factor by which rivals must leave more.
@@ -103,7 +103,7 @@ impl Explained {
     }
 
     /// Whether one mechanism takes so much away that its name is out of doubt though its formula is not this one: a thousandth
-    /// of the excess of `baseline` is left, an error within twice the noise, and `rivals` leave ten times as much.
+    /// of the excess of `baseline` is left, an error within three times the noise, and `rivals` leave ten times as much.
     pub(crate) fn dominant(&self, baseline: &Self, rivals: f64) -> bool {
         self.worst <= OTHER_FORMULA
             && self.excess() <= DOMINANT * baseline.excess()
@@ -377,7 +377,7 @@ impl Study<'_> {
                 let added = from.added.iter().cloned().chain(brought).collect();
                 let mut effects = from.effects.clone();
                 effects.push(candidate.effect);
-                let mut found = self.whole(setting, &unknowns, (effects, added), 15).ok()?;
+                let mut found = self.whole(setting, &unknowns, (effects, added), 15).map_err(|e| if std::env::var_os("FT_DEBUG").is_some() { eprintln!("    whole {} failed {e}", ALL[candidate.effect].id()) }).ok()?;
                 found.sensors = from.sensors.iter().copied().chain([None]).collect();
                 found.book(from);
                 Some(found)
