@@ -126,6 +126,16 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
     Ok(search.outcome(baseline, model))
 }
 
+/// A model that another one was preferred to.
+#[derive(Clone, Copy)]
+struct Rival {
+    /// Its last effect.
+    effect: usize,
+    criterion: f64,
+    /// What its error holds beside the noise.
+    excess: f64,
+}
+
 struct Search<'a> {
     study: Study<'a>,
     /// Whether the study is on its finer grid.
@@ -137,8 +147,8 @@ struct Search<'a> {
     /// Errors of the declared model: training runs, then held-out runs where there are any.
     before: Vec<RunError>,
     tried: Vec<Tried>,
-    /// Models beside the best one: last effect, criterion, excess over the noise.
-    rivals: Vec<(usize, f64, f64)>,
+    /// Models beside the best one.
+    rivals: Vec<Rival>,
     notes: Vec<String>,
 }
 
@@ -220,7 +230,7 @@ impl Search<'_> {
     fn extended(
         &mut self,
         baseline: &Explained,
-        single: &mut Option<(Explained, Vec<(usize, f64, f64)>)>,
+        single: &mut Option<(Explained, Vec<Rival>)>,
     ) -> Result<Explained, ExplainError> {
         let mut current = baseline.clone();
         for _ in 0..MOST_EFFECTS {
@@ -372,7 +382,11 @@ impl Search<'_> {
         }
         self.rivals = found
             .iter()
-            .filter_map(|one| one.effects.last().map(|&effect| (effect, one.criterion, one.excess())))
+            .filter_map(|one| {
+                let rival =
+                    |&effect: &usize| Rival { effect, criterion: one.criterion, excess: one.excess() };
+                one.effects.last().map(rival)
+            })
             .collect();
         let best = found.first()?.criterion;
         // A richer effect that contains a simpler one must earn its name against it.
@@ -575,11 +589,8 @@ impl Search<'_> {
     fn named(&self, model: &Explained) -> Vec<Named> {
         let best = model.criterion;
         let close = |effect: usize| {
-            let near = self
-                .rivals
-                .iter()
-                .filter(move |(e, criterion, _)| *e != effect && criterion - best < EVIDENCE);
-            near.map(|&(e, criterion, _)| (e, criterion))
+            let other = move |r: &&Rival| r.effect != effect && r.criterion - best < EVIDENCE;
+            self.rivals.iter().filter(other)
         };
         model
             .effects
@@ -589,7 +600,7 @@ impl Search<'_> {
             .map(|(k, (&effect, &sensor))| {
                 let last = k + 1 == model.effects.len();
                 let odds: f64 =
-                    if last { close(effect).map(|(_, c)| (0.5 * (best - c)).exp()).sum() } else { 0.0 };
+                    if last { close(effect).map(|r| (0.5 * (best - r.criterion)).exp()).sum() } else { 0.0 };
                 Named {
                     id: ALL[effect].id(),
                     probability: 1.0 / (1.0 + odds),
@@ -597,7 +608,7 @@ impl Search<'_> {
                     sensor,
                     parameters: parameters(model, k),
                     indistinguishable: if last {
-                        at_most_two(effect, close(effect).map(|(e, _)| e))
+                        at_most_two(effect, close(effect).map(|r| r.effect))
                     } else {
                         Vec::new()
                     },
@@ -609,9 +620,9 @@ impl Search<'_> {
 }
 
 /// The least that a model with another effect leaves over the noise.
-fn least_excess(model: &Explained, rivals: &[(usize, f64, f64)]) -> f64 {
-    let others = rivals.iter().filter(|(effect, ..)| !model.effects.contains(effect));
-    others.map(|(.., excess)| *excess).fold(f64::INFINITY, f64::min)
+fn least_excess(model: &Explained, rivals: &[Rival]) -> f64 {
+    let others = rivals.iter().filter(|rival| !model.effects.contains(&rival.effect));
+    others.map(|rival| rival.excess).fold(f64::INFINITY, f64::min)
 }
 
 /// A fault of a channel as a named effect: it was seen in the samples themselves.
