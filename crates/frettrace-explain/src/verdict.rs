@@ -438,13 +438,13 @@ impl Search<'_> {
             candidates.extend(self.study.base_candidate(&setting, plain.criterion));
         }
         candidates.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
-        // One form of each effect is re-fitted.
+        // One form of each effect is re-fitted, of the best effect two: on recovered forces close forms change places.
+        let leader = candidates.first().map(|c| c.effect);
         let mut seen = Vec::new();
         candidates.retain(|c| {
-            !seen.contains(&c.effect) && {
-                seen.push(c.effect);
-                true
-            }
+            let before = seen.iter().filter(|effect| **effect == c.effect).count();
+            seen.push(c.effect);
+            before < if Some(c.effect) == leader { 2 } else { 1 }
         });
         self.tried.extend(candidates.iter().map(|c| Tried {
             id: ALL[c.effect].id(),
@@ -454,7 +454,7 @@ impl Search<'_> {
         let best = candidates.first().map_or(f64::INFINITY, |c| c.criterion);
         let found = candidates
             .iter()
-            .take(3)
+            .take(4)
             .filter(|c| c.criterion < 3.0 * best && c.reduced < limit)
             .filter_map(|candidate| self.with_structure(current, candidate).ok())
             .collect();
