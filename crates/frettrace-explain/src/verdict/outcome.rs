@@ -1,0 +1,257 @@
+//! What is said in the end: verdict, names, place, errors and what a reader must know.
+
+use super::{EVIDENCE, HELD_OUT, Rival, Search};
+use crate::effects::{ALL, EffectPlace};
+use crate::search::Explained;
+use crate::{ChannelFault, RunError};
+use frettrace_forward::accelerations::Quantity;
+
+/// The outcome.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The declared model says all that the data say.
+    NothingMissing,
+    /// With the named effects the model is complete.
+    Explained,
+    /// Something is missing that is in no list.
+    Unexplained,
+}
+
+/// Where something is missing.
+pub use crate::effects::EffectPlace as Place;
+
+/// A named effect.
+#[derive(Clone, Debug)]
+pub struct Named {
+    /// Its id.
+    pub id: &'static str,
+    /// Probability against the best rival, from the difference of the criteria.
+    pub probability: f64,
+    /// Position on the beam (m).
+    pub position: Option<f64>,
+    /// Index of the sensor.
+    pub sensor: Option<usize>,
+    /// What it brought: name, unit, value, standard deviation.
+    pub parameters: Vec<(String, String, f64, f64)>,
+    /// Ids that the data cannot tell from it.
+    pub indistinguishable: Vec<&'static str>,
+    /// The experiment that would.
+    pub experiment: &'static str,
+}
+
+/// A candidate that was tried.
+#[derive(Clone, Debug)]
+pub struct Tried {
+    /// Its id.
+    pub id: &'static str,
+    /// Relative RMS error with it on the training runs; NaN where it was judged on the recovered contact alone.
+    pub error: f64,
+    /// Difference of the criterion to the model without it, positive for it.
+    pub evidence: f64,
+}
+
+/// What came of an explanation.
+pub struct Outcome {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Named effects.
+    pub effects: Vec<Named>,
+    /// Where something is missing.
+    pub place: Option<Place>,
+    /// The declared model.
+    pub baseline: Explained,
+    /// The model with the effects in it.
+    pub model: Explained,
+    /// All candidates, best first.
+    pub tried: Vec<Tried>,
+    /// Errors of the training runs before and after.
+    pub error: [RunError; 2],
+    /// Errors of the held-out runs before and after.
+    pub held_out: Option<[RunError; 2]>,
+    /// Indices of the training and of the held-out runs.
+    pub runs: [Vec<usize>; 2],
+    /// What a reader must know.
+    pub notes: Vec<String>,
+}
+
+impl Search<'_> {
+    pub(super) fn outcome(mut self, baseline: Explained, model: Explained) -> Outcome {
+        let borne_out = self.borne_out(&baseline, &model);
+        let faults = &self.study.case.faults;
+        let named: Vec<&ChannelFault> = faults.iter().filter(|f| self.study.case.allows(f.id)).collect();
+        let nameless = named.len() < faults.len();
+        let near = model.complete() || model.sufficient(&baseline) || self.other_formula;
+        let filled = near && borne_out;
+        let complete = filled && !nameless;
+        let verdict = match (model.effects.is_empty() && named.is_empty(), complete) {
+            (true, true) => Verdict::NothingMissing,
+            (false, true) => Verdict::Explained,
+            _ => Verdict::Unexplained,
+        };
+        let place = match verdict {
+            Verdict::NothingMissing => None,
+            Verdict::Explained if model.effects.is_empty() => Some(EffectPlace::Measurement),
+            Verdict::Explained => model.effects.first().map(|&e| ALL[e].place()),
+            Verdict::Unexplained if nameless && filled => Some(EffectPlace::Measurement),
+            Verdict::Unexplained => Some(self.place(&model)),
+        };
+        let effects: Vec<Named> = if verdict == Verdict::Explained {
+            named.iter().map(|fault| faulty(fault)).chain(self.named(&model)).collect()
+        } else {
+            Vec::new()
+        };
+        self.tried.extend(faults.iter().map(|fault| Tried {
+            id: fault.id,
+            error: f64::NAN,
+            evidence: fault.evidence,
+        }));
+        self.tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+        self.remark(&baseline, &model);
+        let after = self.errors(&model);
+        let errors = |k: usize| Some([*self.before.get(k)?, *after.get(k)?]);
+        Outcome {
+            verdict,
+            effects,
+            place,
+            error: errors(0).unwrap_or_default(),
+            held_out: errors(1),
+            runs: [self.study.training.clone(), self.study.held_out.clone()],
+            tried: self.tried,
+            notes: self.notes,
+            baseline,
+            model,
+        }
+    }
+
+    /// Whether runs that nothing was fitted to bear out what is named.
+    fn borne_out(&mut self, baseline: &Explained, model: &Explained) -> bool {
+        let held_out = &self.study.held_out;
+        if model.effects.is_empty() || held_out.is_empty() {
+            return true;
+        }
+        let found = self.study.improvement(&baseline.fitted, &model.fitted, held_out);
+        self.notes
+            .push(format!("held-out runs improve by {found:.1} standard errors; a claim needs {HELD_OUT}"));
+        found > HELD_OUT
+    }
+
+    /// What a reader must know.
+    fn remark(&mut self, baseline: &Explained, model: &Explained) {
+        let untrusted = self.study.case.records.iter().map(|r| r.untrusted).fold(0.0, f64::max);
+        if untrusted > 0.0 {
+            self.notes.push(format!(
+                "lines above 0.8 of half the sampling rate, where anti-alias filters bend every channel, and above the 160th of the excitation are in no error: at most {:.1e} of a run's amplitude",
+                untrusted.sqrt()
+            ));
+        }
+        let left_out = self.study.case.records.iter().filter(|r| !r.periodic).count();
+        if left_out > 0 {
+            let entered = self.study.series.len();
+            let [before, after] = [baseline, model].map(|m| 100.0 * self.series_error(m));
+            self.notes.push(format!(
+                "{left_out} runs are not periodic: no waveform is predicted for them; {entered} of them entered through the recovered force, which the law misses by {before:.1} % before and {after:.1} % after"
+            ));
+        }
+        if self.other_formula {
+            self.notes.push(format!(
+                "the named effect leaves {:.2} times the noise in the worst training run: its formula here is another one, but it takes {:.2} % of what was missing and every rival leaves ten times as much",
+                model.worst,
+                100.0 * (1.0 - model.excess() / baseline.excess())
+            ));
+        }
+        if self.refined {
+            self.notes.push("the model with the effects was fitted on a phase grid twice as fine".into());
+        }
+        self.notes
+            .push("mean friction, preload, mean position and drift cannot be seen by accelerometers".into());
+    }
+
+    /// Place of what stays unexplained: an open balance is never the contact.
+    fn place(&self, model: &Explained) -> EffectPlace {
+        let mut model = model.clone();
+        self.calibrate(&mut model);
+        if self.closed(&model.fitted.setting) {
+            return EffectPlace::Contact;
+        }
+        self.study.open_place(&self.structural_start(&model))
+    }
+
+    fn named(&self, model: &Explained) -> Vec<Named> {
+        let best = model.criterion;
+        let close = |effect: usize| {
+            let other = move |r: &&Rival| r.effect != effect && r.criterion - best < EVIDENCE;
+            self.rivals.iter().filter(other)
+        };
+        model
+            .effects
+            .iter()
+            .zip(&model.sensors)
+            .enumerate()
+            .map(|(k, (&effect, &sensor))| {
+                let last = k + 1 == model.effects.len();
+                let odds: f64 =
+                    if last { close(effect).map(|r| (0.5 * (best - r.criterion)).exp()).sum() } else { 0.0 };
+                Named {
+                    id: ALL[effect].id(),
+                    probability: 1.0 / (1.0 + odds),
+                    position: position(model, effect),
+                    sensor,
+                    parameters: parameters(model, k),
+                    indistinguishable: if last {
+                        at_most_two(effect, close(effect).map(|r| r.effect))
+                    } else {
+                        Vec::new()
+                    },
+                    experiment: ALL[effect].experiment(),
+                }
+            })
+            .collect()
+    }
+}
+
+/// A fault of a channel as a named effect: it was seen in the samples themselves.
+fn faulty(fault: &ChannelFault) -> Named {
+    let effect = ALL.iter().find(|e| e.id() == fault.id);
+    Named {
+        id: fault.id,
+        probability: 1.0,
+        position: None,
+        sensor: Some(fault.sensor),
+        parameters: fault.parameters.clone(),
+        indistinguishable: Vec::new(),
+        experiment: effect.map_or("", |e| e.experiment()),
+    }
+}
+
+/// At most two of the effects that the data cannot rule out, those known to look like `effect` first.
+fn at_most_two(effect: usize, left: impl Iterator<Item = usize>) -> Vec<&'static str> {
+    let mut ids: Vec<_> = left.map(|other| ALL[other].id()).collect();
+    ids.sort_by_key(|id| !ALL[effect].rivals().contains(id));
+    ids.truncate(2);
+    ids
+}
+
+/// Position of an effect along the beam, where it has one.
+fn position(model: &Explained, effect: usize) -> Option<f64> {
+    if ALL[effect].place() != EffectPlace::Structure {
+        return None;
+    }
+    model
+        .added
+        .iter()
+        .find(|u| matches!(u.quantity, Quantity::PortPosition(_) | Quantity::MassPosition))
+        .and_then(|u| model.fitted.setting.get(u.quantity))
+}
+
+/// What the effect at a place of the list brought.
+fn parameters(model: &Explained, place: usize) -> Vec<(String, String, f64, f64)> {
+    model
+        .own(place)
+        .iter()
+        .filter_map(|u| {
+            let value = model.fitted.setting.get(u.quantity)?;
+            let std = model.deviation(u.quantity);
+            Some((u.parameter.name.clone(), u.parameter.unit.clone(), value, std))
+        })
+        .collect()
+}

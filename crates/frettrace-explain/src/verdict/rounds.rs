@@ -1,0 +1,164 @@
+//! One effect more: rounds over the contact and over everything outside it.
+
+use super::{BALANCE_CALIBRATED, EVIDENCE, PROXY, Rival, Search, Tried, is_law};
+use crate::balance_fit::BalanceCandidate;
+use crate::effects::ALL;
+use crate::search::Explained;
+use crate::study::merge;
+use crate::{ExplainError, Unknown};
+use frettrace_forward::accelerations::Setting;
+
+impl Search<'_> {
+    pub(super) fn contact_round(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {
+        let unknowns = merge(&self.study.case.unknowns(), &current.added);
+        let law: Vec<Unknown> = unknowns.iter().filter(|u| is_law(u)).cloned().collect();
+        let mut setting = current.fitted.setting.clone();
+        let recovered = self.study.recovered(&setting)?;
+        let base = self.study.contact_base(&recovered, &setting, &law);
+        let plain = base.as_ref().map_or(f64::INFINITY, |b| b.criterion);
+        if let Some(base) = &base {
+            setting.law = base.law;
+        }
+        let candidates = self.study.contact_candidates(&recovered, &setting, &law, &current.effects);
+        self.tried.extend(candidates.iter().map(|c| Tried {
+            id: ALL[c.effect].id(),
+            error: f64::NAN,
+            evidence: plain - c.criterion,
+        }));
+        let found = self.study.contact_round(current, &candidates);
+        Ok(self.take_best(current, found))
+    }
+
+    /// Records what was tried and keeps the best.
+    fn take_best(&mut self, current: &Explained, mut found: Vec<Explained>) -> Option<Explained> {
+        found.iter_mut().for_each(|one| one.book(current));
+        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        for one in &found {
+            let Some(&effect) = one.effects.last() else { continue };
+            let error = self.study.error(&one.fitted, &self.study.training).relative();
+            let evidence = current.criterion - one.criterion;
+            let id = ALL[effect].id();
+            self.tried.retain(|t| t.id != id);
+            self.tried.push(Tried { id, error, evidence });
+        }
+        self.rivals = found
+            .iter()
+            .filter_map(|one| {
+                let rival =
+                    |&effect: &usize| Rival { effect, criterion: one.criterion, excess: one.excess() };
+                one.effects.last().map(rival)
+            })
+            .collect();
+        let best = found.first()?.criterion;
+        // A richer effect that contains a simpler one must earn its name against it.
+        let simpler = found.iter().position(|one| {
+            one.criterion < best + EVIDENCE
+                && one.complete() == found[0].complete()
+                && one.effects.last().is_some_and(|&e| contained(found[0].effects.last(), e))
+        });
+        Some(found.swap_remove(simpler.unwrap_or(0)))
+    }
+
+    /// Where structure effects start from: what was declared, or the model that already holds effects. A base fit of a law to
+    /// an open balance bends the structure to what is missing.
+    pub(super) fn structural_start(&self, current: &Explained) -> Setting {
+        if current.effects.is_empty() {
+            let declared = self.study.case.setting(current.fitted.setting.law);
+            if !self.study.case.loosely_known() {
+                return declared;
+            }
+            let calibrated = self.study.balance_base(&declared, &[]);
+            if calibrated.reduced.is_finite() { calibrated.setting } else { declared }
+        } else {
+            current.fitted.setting.clone()
+        }
+    }
+
+    /// A structure effect where the balance is closed by what is usual, yet not by what the noise allows.
+    pub(super) fn slight_round(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {
+        let (reduced, _) = self.study.balance_reduced(&current.fitted.setting);
+        if reduced <= BALANCE_CALIBRATED {
+            return Ok(None);
+        }
+        let found = self.structure_round(current, 0.5 * (1.0 + reduced))?;
+        Ok(found.filter(|better| better.excess() < PROXY * current.excess()))
+    }
+
+    /// Effects outside the contact that bring χ² per degree of freedom of the balance below `limit`.
+    pub(super) fn structure_round(
+        &mut self,
+        current: &Explained,
+        limit: f64,
+    ) -> Result<Option<Explained>, ExplainError> {
+        let structural: Vec<Unknown> = current.added.iter().filter(|u| !is_law(u)).cloned().collect();
+        let setting = self.structural_start(current);
+        let plain = self.study.balance_base(&setting, &structural);
+        let mut candidates = self.study.balance_candidates(&setting, &structural, &current.effects);
+        if setting.ports.is_empty() {
+            candidates.extend(self.study.force_candidates(&setting, plain.criterion));
+            candidates.extend(self.study.base_candidate(&setting, plain.criterion));
+        }
+        candidates.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        // One form of each effect is re-fitted, of the best effect two: on recovered forces close forms change places.
+        let leader = candidates.first().map(|c| c.effect);
+        let mut seen = Vec::new();
+        candidates.retain(|c| {
+            let before = seen.iter().filter(|effect| **effect == c.effect).count();
+            seen.push(c.effect);
+            before < if Some(c.effect) == leader { 2 } else { 1 }
+        });
+        self.tried.extend(candidates.iter().map(|c| Tried {
+            id: ALL[c.effect].id(),
+            error: f64::NAN,
+            evidence: plain.criterion - c.criterion,
+        }));
+        let best = candidates.first().map_or(f64::INFINITY, |c| c.criterion);
+        let found = candidates
+            .iter()
+            .take(4)
+            .filter(|c| c.criterion < 3.0 * best && c.reduced < limit)
+            .filter_map(|candidate| self.with_structure(current, candidate).ok())
+            .collect();
+        Ok(self.take_best(current, found))
+    }
+
+    /// The whole model with a structure effect: the law anew on contacts recovered with it, then everything.
+    fn with_structure(
+        &self,
+        current: &Explained,
+        candidate: &BalanceCandidate,
+    ) -> Result<Explained, ExplainError> {
+        let own = candidate.unknowns.iter().filter(|u| !current.fitted.unknowns.contains(u));
+        let declared = self.study.case.unknowns();
+        let brought: Vec<Unknown> = own.filter(|u| !declared.contains(u)).cloned().collect();
+        let added = merge(&current.added, &brought);
+        let unknowns = merge(&declared, &added);
+        let law: Vec<Unknown> = unknowns.iter().filter(|u| is_law(u)).cloned().collect();
+        let mut setting = candidate.setting.clone();
+        let recovered = self.study.recovered(&setting)?;
+        if let Some(base) = self.study.contact_base(&recovered, &setting, &law) {
+            setting.law = base.law;
+        }
+        let mut effects = current.effects.clone();
+        effects.push(candidate.effect);
+        let mut found = self.study.whole(setting, &unknowns, (effects, added), 12)?;
+        found.sensors = current.sensors.iter().copied().chain([candidate.sensor]).collect();
+        Ok(found)
+    }
+}
+
+/// Whether the effect `of` becomes the effect `simpler` at some value of its parameters.
+fn contained(of: Option<&usize>, simpler: usize) -> bool {
+    let of = of.map_or("", |&e| ALL[e].id());
+    CONTAINED.iter().any(|(rich, plain)| *rich == of && *plain == ALL[simpler].id())
+}
+
+/// Effects that contain others: a lag of no time is the curve it lags behind, and so on.
+const CONTAINED: [(&str, &str); 6] = [
+    ("friction.lag", "friction.stribeck"),
+    ("friction.film", "friction.stribeck"),
+    ("friction.film", "friction.lag"),
+    ("friction.ageing", "friction.stribeck"),
+    ("friction.presliding-damping", "friction.viscous"),
+    ("structure.second-support", "structure.cubic-stiffness"),
+];
