@@ -15,6 +15,7 @@ use num_complex::Complex64;
 use std::sync::Arc;
 
 /// Recovered motion and force lines of one run.
+#[derive(Clone)]
 pub(crate) struct Recovered {
     pub slip: Vec<f64>,
     pub velocity: Vec<f64>,
@@ -188,6 +189,7 @@ impl Recovered {
 }
 
 /// Recovered contacts of periodic runs, line by line, and of the others, bin by bin.
+#[derive(Clone)]
 pub(crate) struct Contacts {
     pub periodic: Vec<Recovered>,
     pub series: Vec<Arc<SeriesContact>>,

@@ -328,18 +328,22 @@ impl Study<'_> {
                 effect.contact_forms(&setting.law, &self.scales).into_iter().map(move |form| (index, form))
             })
             .collect();
-        let tried = |(index, form): &(usize, ContactForm), most: usize| {
+        let tried = |recovered: &Contacts, (index, form): &(usize, ContactForm), most: usize| {
             self.contact_candidate(recovered, setting, law_unknowns, (*index, form), most)
         };
-        // A few steps for every form, all steps for the best.
+        // A few steps for every form on what is quick to march, all steps on everything for the best.
+        let mut quick = recovered.clone();
+        if !quick.periodic.is_empty() {
+            quick.series.clear();
+        }
         let mut order: Vec<(f64, usize)> = forms
             .par_iter()
             .enumerate()
-            .filter_map(|(k, form)| tried(form, GLANCE).map(|c| (c.criterion, k)))
+            .filter_map(|(k, form)| tried(&quick, form, GLANCE).map(|c| (c.criterion, k)))
             .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut found: Vec<ContactCandidate> =
-            order.par_iter().take(LOOK).filter_map(|(_, k)| tried(&forms[*k], 30)).collect();
+            order.par_iter().take(LOOK).filter_map(|(_, k)| tried(recovered, &forms[*k], 30)).collect();
         found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
         let mut best: Vec<ContactCandidate> = Vec::new();
         for candidate in found {

@@ -32,6 +32,10 @@ pub enum ExplainError {
     },
 }
 
+/// Periods of the excitation for which a law with partial slip, whose steps are many times as dear as others, is marched
+/// along a run that is not periodic.
+const PARTIAL_SLIP_PERIODS: f64 = 8.0;
+
 /// A case with its split and its model.
 pub struct Study<'a> {
     /// The case.
@@ -117,7 +121,13 @@ impl<'a> Study<'a> {
         let series = case.records.iter().enumerate().filter(|(_, record)| !record.periodic);
         let series = series.filter_map(|(run, record)| {
             let lines = &record.lines;
-            let contact = SeriesContact::new(record.series.as_ref()?, lines.preload, lines.progress)?;
+            let series = record.series.as_ref()?;
+            let most = if law.get(Hook::Breakaway).is_some() {
+                (PARTIAL_SLIP_PERIODS * scales.period / series.dt).ceil() as usize
+            } else {
+                usize::MAX
+            };
+            let contact = SeriesContact::new(series, (lines.preload, lines.progress), most)?;
             Some((run, Arc::new(contact)))
         });
         let series = series.collect();

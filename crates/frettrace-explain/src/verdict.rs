@@ -23,6 +23,8 @@ const NEAR: f64 = 6.0;
 const SERIES_OPEN: f64 = 0.05;
 /// Improvement on held-out runs that a claim needs, in standard errors.
 const HELD_OUT: f64 = 2.5;
+/// Share of their excess over the noise that a claim may leave there: more than half of it must go.
+const HELD_OUT_SHARE: f64 = 0.5;
 /// The structure is calibrated on the balance above this χ² per degree of freedom: with the thousand degrees of freedom of
 /// a set, two standard deviations.
 const BALANCE_CALIBRATED: f64 = 1.1;

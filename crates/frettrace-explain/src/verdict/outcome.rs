@@ -1,6 +1,6 @@
 //! What is said in the end: verdict, names, place, errors and what a reader must know.
 
-use super::{EVIDENCE, HELD_OUT, Rival, Search};
+use super::{EVIDENCE, HELD_OUT, HELD_OUT_SHARE, Rival, Search};
 use crate::effects::{ALL, EffectPlace};
 use crate::search::Explained;
 use crate::{ChannelFault, RunError};
@@ -123,7 +123,8 @@ impl Search<'_> {
         }
     }
 
-    /// Whether runs that nothing was fitted to bear out what is named.
+    /// Whether runs that nothing was fitted to bear out what is named: by its standard error, and by a real share of what was
+    /// missing in them.
     fn borne_out(&mut self, baseline: &Explained, model: &Explained) -> bool {
         let held_out = &self.study.held_out;
         if model.effects.is_empty() || held_out.is_empty() {
@@ -132,7 +133,11 @@ impl Search<'_> {
         let found = self.study.improvement(&baseline.fitted, &model.fitted, held_out);
         self.notes
             .push(format!("held-out runs improve by {found:.1} standard errors; a claim needs {HELD_OUT}"));
-        found > HELD_OUT
+        let excess = |of: &Explained| {
+            let ratio = self.study.error(&of.fitted, held_out).ratio();
+            (ratio * ratio - 1.0).max(0.0)
+        };
+        found > HELD_OUT && excess(model) <= HELD_OUT_SHARE * excess(baseline)
     }
 
     /// What a reader must know.
