@@ -23,11 +23,12 @@
 //! `Power` of order two. Reversals are split at the root of the Hermite velocity. Large `σ0 |Δu| / μ` is stable and
 //! tends to `z = μ(v)/σ0`.
 
-use crate::decay::decays;
+use crate::decay::decay;
 use crate::lift::{lift, positive_part, sign};
 use crate::{FrictionLaw, Scalar, Step, Stroke};
 
 mod flow;
+mod plain;
 #[cfg(test)]
 mod tests;
 
@@ -130,7 +131,7 @@ impl<T: Scalar> Bristle<T> {
             return self.sigma1;
         }
         let ratio = v * v_d.recip();
-        let decay = (-ratio * ratio).exp();
+        let decay = decay(ratio * ratio);
         let slope = 2.0 * sigma1 * decay * ratio / v_d;
         lift(sigma1 * decay, [decay, slope * ratio, -slope], [self.sigma1, self.v_d, velocity])
     }
@@ -161,27 +162,6 @@ impl<T: Scalar> Bristle<T> {
             Saturation::Breakaway => friction.breakaway(loading, self.breakaway),
         };
         after * (self.sigma0.recip() * stroke.direction)
-    }
-
-    /// A step without reversal in plain numbers: its four exponentials of the velocity are taken side by side.
-    #[inline(always)]
-    fn plain_step(&self, [z]: [T; 1], stroke: &Stroke<T>, step: &Step<T>) -> ([T; 1], T) {
-        let velocity = step.velocity[1];
-        let [slowness, fade] = [self.v_s.re().recip(), self.v_d.re().recip()];
-        let power = |v: T| stribeck_power(v.re().abs() * slowness, self.delta.re());
-        let fading = velocity.re() * fade;
-        let [v0, v1, v2] = stroke.velocity;
-        let [d0, d1, d2, left] = decays([power(v0), power(v1), power(v2), fading * fading]);
-        let excess = self.mu_s.re() - self.mu_k.re();
-        let mu = [d0, d1, d2].map(|decay| T::from(self.mu_k.re() + excess * decay));
-        let z = self.advance(z, stroke, mu);
-        let damping = if self.sigma1.re() == 0.0 {
-            T::from(0.0)
-        } else {
-            self.rate(z, velocity, mu[2]) * (self.sigma1.re() * left)
-        };
-        let force = positive_part(step.normal[1]) * (self.sigma0 * z + damping) + self.sigma2 * velocity;
-        ([z], force)
     }
 
     /// The rate ż (m/s) of the deflection.
@@ -222,14 +202,19 @@ impl<T: Scalar> FrictionLaw<T> for Bristle<T> {
         [T::from(0.0)]
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&self, state: [T; 1], step: &Step<T>) -> ([T; 1], T) {
-        if T::NDERIV == 0
-            && self.steady == Steady::Stribeck
-            && let (stroke, None) = step.strokes()
-        {
-            return self.plain_step(state, &stroke, step);
+        match plain::step(self, state[0].re(), step) {
+            Some((z, force)) => ([T::from(z)], T::from(force)),
+            None => self.general_step(state, step),
         }
+    }
+}
+
+impl<T: Scalar> Bristle<T> {
+    /// Any saturation, reversals, derivatives.
+    #[inline(never)]
+    fn general_step(&self, state: [T; 1], step: &Step<T>) -> ([T; 1], T) {
         let velocity = step.velocity[1];
         let last = self.steady(velocity);
         let mu = |instant: Instant<T>| {
@@ -261,7 +246,7 @@ pub fn stribeck<T: Scalar>(velocity: T, parameters: [T; 4]) -> T {
         return mu_s;
     }
     let power = stribeck_power(ratio, delta.re());
-    let decay = (-power).exp();
+    let decay = decay(power);
     let value = mu_k.re() + excess * decay;
     if T::NDERIV == 0 {
         return T::from(value);

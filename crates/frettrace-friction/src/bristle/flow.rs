@@ -8,6 +8,7 @@ use std::f64::consts::{FRAC_1_PI, PI};
 use nalgebra::SVector;
 use num_dual::{Derivative, DualSVec64};
 
+use crate::decay::decay;
 use crate::lift::{lift, sign};
 use crate::{Scalar, Stroke};
 
@@ -20,6 +21,44 @@ pub struct Friction<T> {
     mu: [T; 3],
     /// `σ0 |v|` at the same times, multiplied by the duration.
     pace: [T; 3],
+}
+
+/// Relaxation `dX = σ0 |du| / μ` along a stroke.
+#[derive(Clone, Copy)]
+pub(super) struct Relaxation {
+    /// 1/μ at the start, the middle and the end in time.
+    pub inverses: [f64; 3],
+    /// Its rate at the same times, multiplied by the duration.
+    f: [f64; 3],
+    /// Length X, by Simpson's rule.
+    pub whole: f64,
+}
+
+/// What a stroke of length X remembers, and the share of X at half time, before and after it is kept harmless.
+pub(super) struct Path {
+    memory: Memory,
+    middle: f64,
+    kappa: f64,
+}
+
+impl Relaxation {
+    /// `pace` is `σ0 |v|` multiplied by the duration.
+    #[inline(always)]
+    pub fn new(pace: [f64; 3], mu: [f64; 3]) -> Self {
+        let inverses = [mu[0].recip(), mu[1].recip(), mu[2].recip()];
+        let f = [pace[0] * inverses[0], pace[1] * inverses[1], pace[2] * inverses[2]];
+        Self { inverses, f, whole: (f[0] + f[1] * 4.0 + f[2]) * (1.0 / 6.0) }
+    }
+
+    /// The loading at the end of the stroke.
+    #[inline(always)]
+    pub fn linear(&self, loading: f64, mu: [f64; 3]) -> (f64, Path) {
+        let memory = Memory::new(self.whole);
+        let middle = (self.f[0] * 5.0 + self.f[1] * 8.0 - self.f[2]) * (1.0 / 24.0) * memory.inverse;
+        let kappa = middle.clamp(MIDDLE.0, MIDDLE.1);
+        let value = loading * (1.0 - memory.moments[0]) + memory.parabola(mu, kappa);
+        (value, Path { memory, middle, kappa })
+    }
 }
 
 /// Where the middle may lie between start and end: motion whose velocities contradict its slip is kept harmless.
@@ -59,27 +98,21 @@ impl<T: Scalar> Friction<T> {
     pub fn linear(&self, loading: T) -> T {
         if self.is_steady() {
             let mu = self.mu[0];
-            return mu + (loading - mu) * (-self.push / mu).exp();
+            return mu + (loading - mu) * decay((self.push / mu).re());
         }
         let (mu, pace) = (self.mu.map(|m| m.re()), self.pace.map(|f| f.re()));
-        // One division for three.
-        let inverse = (mu[0] * mu[1] * mu[2]).recip();
-        let inverses = [mu[1] * mu[2] * inverse, mu[0] * mu[2] * inverse, mu[0] * mu[1] * inverse];
-        let f = [pace[0] * inverses[0], pace[1] * inverses[1], pace[2] * inverses[2]];
-        let whole = (f[0] + f[1] * 4.0 + f[2]) * (1.0 / 6.0);
+        let relaxation = Relaxation::new(pace, mu);
+        let Relaxation { inverses, f, whole } = relaxation;
         if whole <= 0.0 {
             return loading + self.push - loading * self.push / self.mu[1];
         }
-        let middle = (f[0] * 5.0 + f[1] * 8.0 - f[2]) / (24.0 * whole);
-        let kappa = middle.clamp(MIDDLE.0, MIDDLE.1);
-        let memory = Memory::new(whole);
-        let weights = memory.weights(kappa);
-        let sum = |w: [f64; 3]| w[0] * mu[0] + w[1] * mu[1] + w[2] * mu[2];
-        let kept = 1.0 - memory.moments[0];
-        let value = loading.re() * kept + sum(weights);
+        let (value, Path { memory, middle, kappa }) = relaxation.linear(loading.re(), mu);
         if T::NDERIV == 0 {
             return T::from(value);
         }
+        let kept = 1.0 - memory.moments[0];
+        let weights = memory.weights(kappa);
+        let sum = |w: [f64; 3]| w[0] * mu[0] + w[1] * mu[1] + w[2] * mu[2];
         let by_kappa = if kappa == middle { sum(memory.weights_by_kappa(kappa)) / whole } else { 0.0 };
         let by_whole = sum(memory.slope().weights(kappa)) - loading.re() * kept - middle * by_kappa;
         let by_f = [
@@ -292,7 +325,8 @@ fn power_flow<T: Scalar>(r: T, x: T, exponent: T) -> T {
 /// What an exponential memory of length `X` makes of the powers 1, s, s²: `∫₀¹ X exp(−X(1 − s)) sᵏ ds`.
 #[derive(Clone, Copy)]
 struct Memory {
-    length: f64,
+    /// `1/X`.
+    inverse: f64,
     moments: [f64; 3],
 }
 
@@ -300,20 +334,29 @@ impl Memory {
     /// By recursion, upwards where that is stable, else from the series of the third moment downwards.
     #[inline(always)]
     fn new(length: f64) -> Self {
-        let x = length;
+        let (x, inverse) = (length, length.recip());
         if x > 0.2 {
             // Not small: the difference from 1 loses nothing that matters.
-            let zeroth = 1.0 - (-x).exp();
-            let first = 1.0 - zeroth / x;
-            return Self { length, moments: [zeroth, first, 1.0 - 2.0 * first / x] };
+            let zeroth = 1.0 - decay(x);
+            let first = 1.0 - zeroth * inverse;
+            return Self { inverse, moments: [zeroth, first, 1.0 - 2.0 * first * inverse] };
         }
-        let series = 1.0 / 3.0
-            - x * (1.0 / 12.0
-                - x * (1.0 / 60.0
-                    - x * (1.0 / 360.0 - x * (1.0 / 2520.0 - x * (1.0 / 20160.0 - x / 181440.0)))));
+        // 2 Σ (−x)ᵏ/(k + 3)!, in pairs, so that no term waits for the last one.
+        let x2 = x * x;
+        let low = (1.0 / 3.0 - x * (1.0 / 12.0)) + x2 * (1.0 / 60.0 - x * (1.0 / 360.0));
+        let series = low + (x2 * x2) * ((1.0 / 2520.0 - x * (1.0 / 20160.0)) + x2 * (1.0 / 181440.0));
         let second = x * series;
         let first = 0.5 * x * (1.0 - second);
-        Self { length, moments: [x * (1.0 - first), first, second] }
+        Self { inverse, moments: [x * (1.0 - first), first, second] }
+    }
+
+    /// What is made of the parabola through the values at 0, `kappa`, 1: the sum of [`Self::weights`] times them.
+    #[inline(always)]
+    fn parabola(&self, values: [f64; 3], kappa: f64) -> f64 {
+        let [zeroth, first, second] = self.moments;
+        let lean = values[2] - values[0];
+        let bend = (values[1] - values[0] - kappa * lean) / (kappa * (kappa - 1.0));
+        values[0] * zeroth + lean * first + bend * (second - first)
     }
 
     /// Weights of the values at 0, `kappa`, 1 of the parabola through them.
@@ -333,9 +376,9 @@ impl Memory {
     #[inline(always)]
     fn slope(&self) -> Self {
         let [zeroth, first, second] = self.moments;
-        let x = self.length;
-        let moments = [1.0 - zeroth, 1.0 - first * (1.0 + 1.0 / x), 1.0 - second * (1.0 + 2.0 / x)];
-        Self { length: x, moments }
+        let inverse = self.inverse;
+        let moments = [1.0 - zeroth, 1.0 - first * (1.0 + inverse), 1.0 - second * (1.0 + 2.0 * inverse)];
+        Self { inverse, moments }
     }
 
     /// The derivatives of the weights with `kappa`.
