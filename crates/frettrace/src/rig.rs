@@ -29,6 +29,7 @@ use serde::Deserialize;
 
 use crate::StudyError;
 
+pub(crate) use check::Problem;
 pub use effect::Effect;
 
 /// A rig.
@@ -223,22 +224,36 @@ pub struct RigRuns {
 /// The declared law with its parameters, all given, all in range.
 ///
 /// # Errors
-/// What is wrong and what would mend it.
-pub(crate) fn declared_law(support: &RigSupport) -> Result<FrictionModel, String> {
-    let law = Law::from_name(&support.law).map_err(|error| error.to_string())?;
+/// What is wrong, where, and what is allowed.
+pub(crate) fn declared_law(support: &RigSupport) -> Result<FrictionModel, Problem> {
+    let problem = |place: String, found: &dyn ToString, allowed: String| Problem {
+        place,
+        found: found.to_string(),
+        allowed,
+    };
+    let Ok(law) = Law::from_name(&support.law) else {
+        let known: Vec<&str> = Law::ALL.iter().map(|law| law.name()).collect();
+        return Err(problem("support.law".to_owned(), &support.law, known.join(", ")));
+    };
+    let place = |key: &str| format!("support.parameters.{key}");
     let keys: Vec<String> = law.parameters().iter().map(parameter_key).collect();
     if let Some(unknown) = support.parameters.keys().find(|key| !keys.contains(key)) {
-        return Err(format!("no parameter {unknown}; {} has {}", support.law, keys.join(", ")));
+        let allowed = format!("{} has {}", support.law, keys.join(", "));
+        return Err(problem(place(unknown), &"unknown", allowed));
     }
-    let mut named = BTreeMap::new();
+    let mut values = Vec::new();
     for (parameter, key) in law.parameters().iter().zip(&keys) {
-        let value = support
-            .parameters
-            .get(key)
-            .ok_or_else(|| format!("{key} is missing; allowed: {}", parameter.range))?;
-        named.insert(parameter.name.to_owned(), *value);
+        match support.parameters.get(key) {
+            None => return Err(problem(place(key), &"missing", parameter.range.to_string())),
+            Some(value) if !parameter.range.contains(*value) => {
+                return Err(problem(place(key), value, parameter.range.to_string()));
+            }
+            Some(value) => values.push(*value),
+        }
     }
-    law.with_named(&named).map_err(|error| error.to_string())
+    // What is left is for the law as a whole to say.
+    law.with_values(&values)
+        .map_err(|error| problem("support.parameters".to_owned(), &error, "see there".to_owned()))
 }
 
 /// Key of a law's parameter in a rig: its name and unit, `sigma0` in `1/m` is `sigma0_per_m`.

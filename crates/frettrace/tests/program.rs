@@ -78,6 +78,32 @@ fn a_failed_command_leaves_nothing() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "only the input is there");
 }
 
+/// A rig that is wrong ends both commands that take one with 1 and one line, and no file.
+#[test]
+fn a_bad_rig_is_one_clear_line() {
+    let right = include_str!("../../../data/demo/rig.toml");
+    let folder = tempfile::tempdir().unwrap();
+    let (rig, output) = (folder.path().join("RIG.toml"), folder.path().join("out.h5"));
+    let wrong = [
+        "",
+        "[beam",
+        &right.replace("mu_k = 0.24", "mu_k = nan"),
+        &right.replace("_m = 0.52", "_mm = 520.0"),
+    ];
+    for text in wrong {
+        std::fs::write(&rig, text).unwrap();
+        for command in ["simulate", "response"] {
+            let done = frettrace(&[command, &rig.display().to_string(), "-o", &output.display().to_string()]);
+            let done = done.unwrap();
+            let error = crate::text(&done.stderr);
+            assert_eq!(done.status.code(), Some(1), "{error}");
+            assert!(error.starts_with(&format!("frettrace: {}: ", rig.display())), "{error}");
+            assert!(error.lines().count() == 1 && done.stdout.is_empty(), "{error}");
+            assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "only the rig is there");
+        }
+    }
+}
+
 /// The README shows what the demonstration prints, to the letter, and the demonstration finds what its rig file states: the
 /// only effect in `data/demo/rig.toml`, of which the measurement file says nothing.
 #[test]

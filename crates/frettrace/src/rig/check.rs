@@ -7,10 +7,10 @@ use super::{Rig, RigSlip};
 
 /// A value out of range: where, what, what is allowed.
 #[derive(Debug)]
-pub(super) struct Problem {
-    pub(super) place: String,
-    pub(super) found: String,
-    pub(super) allowed: String,
+pub(crate) struct Problem {
+    pub(crate) place: String,
+    pub(crate) found: String,
+    pub(crate) allowed: String,
 }
 
 type Checked = Result<(), Problem>;
@@ -65,11 +65,7 @@ fn modes(rig: &Rig) -> Checked {
 
 fn support(rig: &Rig) -> Checked {
     let support = &rig.support;
-    super::declared_law(support).map_err(|allowed| Problem {
-        place: "support.parameters".to_owned(),
-        found: format!("not a law {}", support.law),
-        allowed,
-    })?;
+    super::declared_law(support)?;
     let missing = |key: &str, allowed: &str| Problem {
         place: format!("support.{key}"),
         found: "missing".to_owned(),

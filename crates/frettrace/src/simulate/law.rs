@@ -14,11 +14,11 @@ pub(super) fn true_law(rig: &Rig) -> Result<SimulatedLaw, StudyError> {
         return Ok(SimulatedLaw::Foreign(law));
     }
     let Some(first) = rig.effects.iter().find(|effect| !hooks(rig, effect).is_empty()) else {
-        let model = declared_law(&rig.support).map_err(|allowed| StudyError::RigValue {
+        let model = declared_law(&rig.support).map_err(|problem| StudyError::RigValue {
             path: std::path::PathBuf::new(),
-            place: "support.parameters".to_owned(),
-            found: format!("not a law {}", rig.support.law),
-            allowed,
+            place: problem.place,
+            found: problem.found,
+            allowed: problem.allowed,
         })?;
         return Ok(SimulatedLaw::Declared(model));
     };
