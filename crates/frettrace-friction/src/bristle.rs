@@ -28,6 +28,7 @@ use crate::lift::{lift, positive_part, sign};
 use crate::{FrictionLaw, Scalar, Step, Stroke};
 
 mod flow;
+mod partial_slip;
 mod plain;
 #[cfg(test)]
 mod tests;
@@ -180,7 +181,7 @@ impl<T: Scalar> Bristle<T> {
         match self.saturation {
             Saturation::Linear => -r + 1.0,
             Saturation::Power => flow::power_share(r, self.exponent),
-            Saturation::Breakaway => flow::breakaway_share(r, self.breakaway),
+            Saturation::Breakaway => partial_slip::breakaway_share(r, self.breakaway),
         }
     }
 

@@ -3,11 +3,10 @@
 //! With the travel `U = σ0 |Δu|` and the fraction `τ` of it, `dp/dτ = U (1 − s(p/μ(τ)))`. μ is known at the start, the
 //! middle and the end in time; between them it is the parabola through the three.
 
-use std::f64::consts::{FRAC_1_PI, PI};
-
 use nalgebra::SVector;
 use num_dual::{Derivative, DualSVec64};
 
+use super::partial_slip::{Parabola, partial_slip};
 use crate::decay::decay;
 use crate::lift::{lift, sign};
 use crate::{Scalar, Stroke};
@@ -63,11 +62,6 @@ impl Relaxation {
 
 /// Where the middle may lie between start and end: motion whose velocities contradict its slip is kept harmless.
 const MIDDLE: (f64, f64) = (0.1, 0.9);
-/// Relaxation lengths after which a bristle has forgotten: exp(−40) is below the rounding of 1.
-const FORGOTTEN: f64 = 40.0;
-/// Relaxation lengths in one Runge-Kutta step of the partial-slip zone.
-const STRIDE: f64 = 0.1;
-
 impl<T: Scalar> Friction<T> {
     /// The stroke seen from a bristle of stiffness `sigma0`; `mu` at its start, middle and end.
     #[inline(always)]
@@ -197,85 +191,6 @@ impl<T: Scalar> Friction<T> {
         }
         let residual = loading + self.push * tau - breakaway * mu.at(T::from(tau));
         Some(-(residual - residual.re()) / slope(tau) + tau)
-    }
-}
-
-/// `μ(τ) = start + τ (lean + bend (τ − 1))`.
-#[derive(Clone, Copy)]
-struct Parabola<T> {
-    start: T,
-    lean: T,
-    bend: T,
-}
-
-impl<T: Scalar> Parabola<T> {
-    #[inline(always)]
-    fn new(mu: [T; 3], middle: T) -> Self {
-        let lean = mu[2] - mu[0];
-        let bend = (mu[1] - mu[0] - middle * lean) / (middle * (middle - 1.0));
-        Self { start: mu[0], lean, bend }
-    }
-
-    #[inline(always)]
-    fn at(&self, tau: T) -> T {
-        self.start + tau * (self.lean + self.bend * (tau - 1.0))
-    }
-
-    #[inline(always)]
-    fn real_at(&self, tau: f64) -> f64 {
-        self.start.re() + tau * (self.lean.re() + self.bend.re() * (tau - 1.0))
-    }
-
-    #[inline(always)]
-    fn real_slope_at(&self, tau: f64) -> f64 {
-        self.lean.re() + self.bend.re() * (2.0 * tau - 1.0)
-    }
-}
-
-/// Runge-Kutta of order four from the fraction `tau` of the travel to its end, in steps that follow the local rate.
-/// Arguments: `p`, `U`, `τ`, the parabola of μ (start, lean, bend) and `b`.
-fn partial_slip<D: Scalar>(arguments: [D; 7]) -> D {
-    let [mut loading, push, mut tau, start, lean, bend, breakaway] = arguments;
-    let mu = Parabola { start, lean, bend };
-    let rate = |loading: D, tau: D| push * breakaway_share(loading / mu.at(tau), breakaway);
-    let window = FORGOTTEN * mu.at(D::from(1.0)).re() / push.re();
-    if push.re() > 0.0 && 1.0 - tau.re() > window {
-        tau = D::from(1.0 - window);
-        loading = mu.at(tau);
-    }
-    while tau.re() < 1.0 {
-        let stride =
-            stride(push.re(), loading.re() / mu.real_at(tau.re()), breakaway.re()) * mu.real_at(tau.re());
-        let step = if tau.re() + stride < 1.0 { D::from(stride) } else { -tau + 1.0 };
-        let k1 = rate(loading, tau);
-        let k2 = rate(loading + step * k1 * 0.5, tau + step * 0.5);
-        let k3 = rate(loading + step * k2 * 0.5, tau + step * 0.5);
-        let k4 = rate(loading + step * k3, tau + step);
-        loading += step * (k1 + (k2 + k3) * 2.0 + k4) * (1.0 / 6.0);
-        tau = if tau.re() + stride < 1.0 { tau + stride } else { D::from(1.0) };
-    }
-    loading
-}
-
-/// Length of a Runge-Kutta step over μ: [`STRIDE`] divided by a bound of the local slope of `1 − s`.
-#[inline(always)]
-fn stride(push: f64, r: f64, breakaway: f64) -> f64 {
-    let zone = 1.0 - breakaway;
-    let depth = ((1.0 - r) / zone).clamp(0.0, FRAC_1_PI);
-    STRIDE / (push.max(f64::MIN_POSITIVE) * (1.0 + 0.5 * PI * PI * depth / zone))
-}
-
-/// `1 − α(r) r` with `α = cos²(π ρ / 2)`, `ρ = (1 − r)/(1 − b)` clipped to 0 … 1.
-#[inline(always)]
-pub fn breakaway_share<D: Scalar>(r: D, breakaway: D) -> D {
-    let rho = (-r + 1.0) / (-breakaway + 1.0);
-    if rho.re() >= 1.0 {
-        D::from(1.0)
-    } else if rho.re() <= 0.0 {
-        -r + 1.0
-    } else {
-        let cosine = (rho * PI).cos();
-        -(cosine + 1.0) * r * 0.5 + 1.0
     }
 }
 
