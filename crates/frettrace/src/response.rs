@@ -192,8 +192,19 @@ fn wanted(rig: &Rig, options: &ResponseOptions) -> Wanted {
     }
 }
 
-/// Effects that a periodic response at the excitation's frequency, with the linear support spring, does not carry.
+/// Laws and effects that a periodic response at the excitation's frequency, with the linear support spring, does not carry.
 fn refuse(rig: &Rig, simulated: &SimulatedRig) -> Result<(), StudyError> {
+    if let SimulatedLaw::Declared(model) = &simulated.law {
+        let followed = [Law::Coulomb, Law::Stribeck, Law::Dahl, Law::Lugre, Law::Hybrid];
+        if !followed.contains(&model.law()) {
+            return Err(StudyError::RigValue {
+                path: std::path::PathBuf::new(),
+                place: "support.law".to_owned(),
+                found: model.law().name().to_owned(),
+                allowed: "one of coulomb, stribeck, dahl, lugre, hybrid: response follows these by their bristle; simulate marches every law".to_owned(),
+            });
+        }
+    }
     let normal = simulated.normal;
     let normal = normal.lifts_off || normal.cubic != 0.0 || normal.sharpness != 0.0;
     let foreign = matches!(simulated.law, SimulatedLaw::Foreign(_));

@@ -44,3 +44,15 @@ fn what_is_not_periodic_is_refused() {
     let message = refused.unwrap_err().to_string();
     assert!(message.contains("structure.frequency-drift"), "{message}");
 }
+
+/// A law without a bristle would otherwise be answered as another one.
+#[test]
+fn laws_that_are_not_followed_are_refused() {
+    let text = RIG
+        .replace("law = \"dahl\"", "law = \"jenkins\"")
+        .replace("sigma0_per_m = 5.0e5", "tangential_stiffness_n_per_m = 1.0e5")
+        .replace("exponent = 1.0\n", "");
+    let refused = response(&rig(&text), &ResponseOptions::default(), &Progress::silent());
+    let message = refused.unwrap_err().to_string();
+    assert!(message.contains("jenkins") && message.contains("support.law"), "{message}");
+}
