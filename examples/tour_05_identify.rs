@@ -22,7 +22,7 @@ fn main() -> anyhow::Result<()> {
     for (name, parameter) in &found.parameters {
         let [low, high] = parameter.interval95;
         if parameter.identifiable {
-            println!("{name} is between {low:.3e} and {high:.3e} {}", parameter.unit);
+            println!("{name} is between {low:.2e} and {high:.2e} {}", parameter.unit);
         } else {
             println!("{name} is not known");
         }
