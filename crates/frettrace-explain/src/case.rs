@@ -136,8 +136,8 @@ impl Case {
     /// Opens the modes of the declared beam beyond the measured ones up to the highest line: nobody measured them, and
     /// harmonics of the contact force reach them.
     ///
-    /// Their frequencies are the declared beam's within [`HIGHER_FREQUENCY`], their damping ratios the last measured one's
-    /// within [`HIGHER_DAMPING`]; where nothing was measured, a metal beam's with joints, [`UNKNOWN_DAMPING`].
+    /// Their frequencies are the declared beam's within `HIGHER_FREQUENCY`, their damping ratios the last measured one's
+    /// within `HIGHER_DAMPING`; where nothing was measured, a metal beam's with joints, `UNKNOWN_DAMPING`.
     ///
     /// # Errors
     /// [`ExplainError::Model`] where the declared beam is out of range.

@@ -116,7 +116,7 @@ pub struct ContactCurve {
     /// Friction force (N).
     #[serde(with = "number::series")]
     pub force: Vec<f64>,
-    /// Energy that friction takes in this period [J].
+    /// Energy that friction takes in this period, in joules.
     #[serde(with = "number::scalar", default)]
     pub energy_per_cycle_j: f64,
 }
