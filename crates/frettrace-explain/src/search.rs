@@ -381,14 +381,7 @@ impl Study<'_> {
                 let added = from.added.iter().cloned().chain(brought).collect();
                 let mut effects = from.effects.clone();
                 effects.push(candidate.effect);
-                let mut found = self
-                    .whole(setting, &unknowns, (effects, added), 15)
-                    .map_err(|e| {
-                        if std::env::var_os("FT_DEBUG").is_some() {
-                            eprintln!("    whole {} failed {e}", ALL[candidate.effect].id())
-                        }
-                    })
-                    .ok()?;
+                let mut found = self.whole(setting, &unknowns, (effects, added), 15).ok()?;
                 found.sensors = from.sensors.iter().copied().chain([None]).collect();
                 found.book(from);
                 Some(found)
