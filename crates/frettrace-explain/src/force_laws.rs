@@ -38,6 +38,8 @@ pub(crate) fn shapes(place: PortPlace) -> Vec<Shape> {
     let smooth =
         [polynomial("structure.cubic-stiffness", &[2]), polynomial("structure.quadratic-damping", &[3])];
     match place {
+        // A moment is only located.
+        PortPlace::Turn(_) => Vec::new(),
         PortPlace::Mode(_) => smooth.into(),
         PortPlace::At(_) => smooth
             .into_iter()
@@ -147,6 +149,11 @@ impl History {
         2 * self.force.len()
     }
 
+    /// χ² of a law that answers nothing.
+    pub fn chi(&self) -> f64 {
+        self.force.iter().map(Complex64::norm_sqr).sum()
+    }
+
     /// Lines of the sensitivities of a law to its coefficients, over the standard deviations.
     fn columns(&self, law: PortLaw, at: &[f64; COEFFICIENTS], linear: &[usize]) -> Vec<Vec<Complex64>> {
         let slopes: Vec<[f64; COEFFICIENTS]> = (self.displacement.iter().zip(&self.velocity))
@@ -163,6 +170,35 @@ impl History {
             })
             .collect()
     }
+}
+
+/// χ² that is left of recovered forces which do not ask what the structure does: on each line of every run one amplitude, the
+/// same in all runs or in proportion to the excitation's, with a phase that is the excitation's and a constant (a share of the
+/// exciter's force) or any (another machine); `ln n` for each value. `drives` are the excitation's first lines (N).
+pub(crate) fn driven(histories: &[History], drives: &[Complex64]) -> f64 {
+    let lines = histories.iter().map(|h| h.force.len()).max().unwrap_or_default();
+    let count: usize = histories.iter().map(History::count).sum();
+    let price = (count as f64).ln();
+    let left = |size: &dyn Fn(Complex64) -> f64| {
+        let of_line = |h: usize| {
+            let (mut all, mut locked, mut loose, mut square, mut runs) =
+                (0.0, Complex64::ZERO, 0.0, 0.0, 0.0);
+            for (history, drive) in histories.iter().zip(drives).filter(|(one, _)| one.force.len() > h) {
+                let expected = size(*drive) / history.deviation[h];
+                let force = history.force[h];
+                all += force.norm_sqr();
+                locked += force * Complex64::from_polar(expected, -((h + 1) as f64) * drive.arg());
+                loose += force.norm() * expected;
+                square += expected * expected;
+                runs += 1.0;
+            }
+            let taken = |sum: f64, values: f64| sum * sum / square.max(f64::MIN_POSITIVE) - values * price;
+            // Values that take nothing are not used.
+            all - taken(locked.norm(), 2.0).max(taken(loose, 1.0 + runs)).max(0.0)
+        };
+        (0..lines).map(of_line).sum::<f64>()
+    };
+    left(&|_| 1.0).min(left(&|drive| drive.norm()))
 }
 
 /// What a law makes of recovered forces.
@@ -291,4 +327,45 @@ fn solve(
         coefficients[k] = solution[c] / scale[c];
     }
     Some(Answer { chi, coefficients })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{History, driven};
+    use frettrace_fourier::Grid;
+    use num_complex::Complex64;
+
+    /// Six runs whose excitation doubles from run to run, with a phase of its own in each; two lines of a force with the given
+    /// amplitude and phase, over a deviation of 1e-3.
+    fn runs(of: impl Fn(f64, f64) -> Complex64) -> (Vec<History>, Vec<Complex64>) {
+        let drive = |run: i32| Complex64::from_polar(2.0_f64.powi(run), 1.3 * f64::from(run * run));
+        let history = |run: i32| History {
+            displacement: Vec::new(),
+            velocity: Vec::new(),
+            force: [1.0, 2.0]
+                .map(|line| of(drive(run).norm(), line) * Complex64::from_polar(1e3, line * drive(run).arg()))
+                .into(),
+            deviation: vec![1e-3; 2],
+            grid: Grid::new(2, 16).unwrap(),
+        };
+        ((0..6).map(history).collect(), (0..6).map(drive).collect())
+    }
+
+    /// What is left of forces that are told by the excitation is the price of their values: 4 of them, or 14 with free phases;
+    /// `ln 24` each. A force that grows with the square of the excitation leaves most of itself.
+    #[test]
+    fn forces_that_do_not_ask_the_motion_are_told() {
+        let price = 24.0_f64.ln();
+        let near = |found: f64, values: f64| assert!((found - values * price).abs() < 1e-6, "{found}");
+        let (histories, drives) = runs(|_, line| Complex64::from_polar(0.3 / line, 0.4));
+        near(driven(&histories, &drives), 4.0);
+        let (histories, drives) = runs(|drive, line| Complex64::from_polar(0.3 * drive / line, -0.9));
+        near(driven(&histories, &drives), 4.0);
+        let (histories, drives) = runs(|drive, line| Complex64::from_polar(0.3 / line, 5.0 * drive));
+        near(driven(&histories, &drives), 14.0);
+        let (histories, drives) = runs(|drive, _| Complex64::from(0.01 * drive * drive));
+        let all: f64 = histories.iter().map(History::chi).sum();
+        // 1 − (Σ s³)²/(Σ s² Σ s⁴) over s = 1, 2 … 32 is 0.0814, and the prices are small beside it.
+        assert!((driven(&histories, &drives) / all - 0.0814).abs() < 1e-3);
+    }
 }

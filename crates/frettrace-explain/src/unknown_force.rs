@@ -5,7 +5,7 @@
 
 use crate::balance_fit::BalanceCandidate;
 use crate::effects::{ALL, EffectPlace, FREE, StructureForm};
-use crate::force_laws::{Answer, History, names, regress, shapes};
+use crate::force_laws::{Answer, History, driven, names, regress, shapes};
 use crate::{Study, Unknown, signed};
 use frettrace_forward::accelerations::{Balance, Beside, Port, PortLaw, PortPlace, Quantity, Setting};
 use num_complex::Complex64;
@@ -39,6 +39,14 @@ const MODES: usize = 6;
 const WORTH: f64 = 0.3;
 /// The exciter's own place competes with any other by its χ² times this: a refined place is always a little better.
 const EXCITER: f64 = 0.9;
+/// Share of a further force's χ² that may be left where it is told without the motion, …
+const DEAF: f64 = 0.05;
+/// … χ² a value that may be left in any case, …
+const DEAF_NOISE: f64 = 1.5;
+/// … χ² over that of the best law of the motion, …
+const DEAF_RIVAL: f64 = 0.5;
+/// … and runs it takes to tell.
+const DEAF_RUNS: usize = 3;
 /// Places are of equal standing within this factor of the best.
 const NEAR: f64 = 1.3;
 
@@ -73,8 +81,8 @@ impl Study<'_> {
         found
     }
 
-    /// Where an open balance is open: one more free value a line closes it best at one sensor, as a motion of the clamp, at the
-    /// exciter, or as a force elsewhere on the beam. All have the same number of unknowns, so χ² alone decides.
+    /// Where an open balance is open: one more free value a line closes it best at one sensor, as a motion of the clamp, as a force
+    /// or a moment at the exciter, or as a force elsewhere on the beam. All have the same number of unknowns, so χ² alone decides.
     pub(crate) fn open_place(&self, setting: &Setting) -> EffectPlace {
         let sensors = self.case.rig.sensors.len();
         let mut plain = setting.clone();
@@ -84,11 +92,43 @@ impl Study<'_> {
             .chain([(EffectPlace::Excitation, Beside::Base)])
             .map(|(place, beside)| (place, self.chi_beside(&plain, beside)))
             .collect();
-        let exciter = PortPlace::At(self.case.rig.exciter);
-        tried.extend(self.located_at(&plain, exciter).map(|l| (EffectPlace::Excitation, EXCITER * l.chi)));
-        tried.extend(self.locate(&plain).first().map(|l| (EffectPlace::Structure, l.chi)));
+        let exciter = self.case.rig.exciter;
+        for place in [PortPlace::At(exciter), PortPlace::Turn(exciter)] {
+            tried.extend(self.located_at(&plain, place).map(|l| (EffectPlace::Excitation, EXCITER * l.chi)));
+        }
+        tried.extend(self.locate(&plain).first().map(|l| {
+            let deaf = self.deaf(&plain, l).unwrap_or(false);
+            (if deaf { EffectPlace::Excitation } else { EffectPlace::Structure }, l.chi)
+        }));
         let best = tried.iter().min_by(|a, b| a.1.total_cmp(&b.1));
         best.map_or(EffectPlace::Structure, |(place, _)| *place)
+    }
+
+    /// Whether a further force does not ask what the structure does: the same beside the excitation's phase in all runs, or in
+    /// proportion to the excitation, where no law of motion describes it as well.
+    fn deaf(&self, setting: &Setting, located: &Located) -> Option<bool> {
+        let harmonic: Vec<usize> =
+            self.training.iter().copied().filter(|&run| self.case.records[run].subharmonic == 1).collect();
+        let single = with_only(setting, located.place);
+        let balances = self.model.balance_beside(&single, &harmonic, Beside::Ports).ok()?;
+        let histories: Option<Vec<History>> = (harmonic.iter().zip(&balances))
+            .map(|(&run, balance)| History::new(balance, self.model.runs[run].omega))
+            .collect();
+        let histories = histories?;
+        if histories.len() < DEAF_RUNS {
+            return None;
+        }
+        let drives: Vec<Complex64> = harmonic.iter().map(|&run| self.model.runs[run].force[1]).collect();
+        let lawful = shapes(located.place)
+            .iter()
+            .filter_map(|shape| regress(&histories, shape))
+            .map(|answer| answer.chi)
+            .fold(f64::INFINITY, f64::min);
+        let all: f64 = histories.iter().map(History::chi).sum();
+        let left = driven(&histories, &drives);
+        let count: usize = histories.iter().map(History::count).sum();
+        let told = left < DEAF * all || left < DEAF_NOISE * count as f64;
+        Some(told && left < DEAF_RIVAL * lawful)
     }
 
     fn chi_beside(&self, setting: &Setting, beside: Beside) -> f64 {

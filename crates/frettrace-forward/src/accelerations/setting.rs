@@ -31,6 +31,8 @@ pub struct Rig {
 pub enum PortPlace {
     /// Transverse displacement at a position (m).
     At(f64),
+    /// Rotation at a position (m): the port's force is a moment (N·m).
+    Turn(f64),
     /// The support itself: the transverse displacement of the end, with the contact's normal force.
     Support,
     /// A modal coordinate.

@@ -283,6 +283,7 @@ fn functionals(rig: &Rig, setting: &Setting) -> (Vec<Dof>, Vec<Option<usize>>) {
     for port in &setting.ports {
         let (dof, mode) = match port.place {
             PortPlace::At(position) => (Dof::displacement(position), None),
+            PortPlace::Turn(position) => (Dof::rotation(position), None),
             PortPlace::Support => (Dof::displacement(length), None),
             PortPlace::Mode(mode) => (Dof::displacement(length), Some(mode)),
         };
