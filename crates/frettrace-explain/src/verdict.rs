@@ -3,7 +3,7 @@
 use crate::search::Explained;
 use crate::{Case, ExplainError, RunError, Study, Unknown};
 use frettrace_forward::accelerations::{Quantity, Setting};
-use frettrace_friction::effects::Hook;
+use frettrace_friction::effects::{Hook, ModifiedLaw};
 
 mod outcome;
 mod rounds;
@@ -46,6 +46,7 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
         refined: false,
         other_formula: false,
         coarse: None,
+        recovered_law: None,
         before: Vec::new(),
         tried: Vec::new(),
         rivals: Vec::new(),
@@ -80,6 +81,8 @@ struct Search<'a> {
     other_formula: bool,
     /// The study on its plain grid, while it is not settled that the finer one stays.
     coarse: Option<Study<'a>>,
+    /// The declared law on the contacts recovered with the declared structure.
+    recovered_law: Option<ModifiedLaw<f64>>,
     /// Errors of the declared model: training runs, then held-out runs where there are any.
     before: Vec<RunError>,
     tried: Vec<Tried>,
@@ -94,7 +97,7 @@ fn is_law(unknown: &Unknown) -> bool {
 
 impl Search<'_> {
     /// The declared model: the law on the recovered contacts, then the whole.
-    fn baseline(&self, mut setting: Setting) -> Result<Explained, ExplainError> {
+    fn baseline(&mut self, mut setting: Setting) -> Result<Explained, ExplainError> {
         let unknowns = self.study.case.unknowns();
         let law: Vec<Unknown> = unknowns.iter().filter(|u| is_law(u)).cloned().collect();
         if self.study.case.loosely_known() || self.study.balance_reduced(&setting).0 > BALANCE_CALIBRATED {
@@ -107,6 +110,7 @@ impl Search<'_> {
         let recovered = self.study.recovered(&setting)?;
         if let Some(base) = self.study.contact_base(&recovered, &setting, &law) {
             setting.law = base.law;
+            self.recovered_law = Some(base.law);
         }
         // No law closes a balance that is wide open: a few steps show how far the declared model is.
         let wide = self.study.balance_reduced(&setting).0 > BALANCE_WIDE;

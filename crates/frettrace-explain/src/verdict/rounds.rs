@@ -14,7 +14,15 @@ impl Search<'_> {
         let law: Vec<Unknown> = unknowns.iter().filter(|u| is_law(u)).cloned().collect();
         let mut setting = current.fitted.setting.clone();
         let recovered = self.study.recovered(&setting)?;
-        let base = self.study.contact_base(&recovered, &setting, &law);
+        // A fit of the whole rig that lacks an effect may have driven the law away from what the contact shows.
+        let other = self.recovered_law.filter(|_| current.effects.is_empty());
+        let base = [Some(setting.law), other]
+            .into_iter()
+            .flatten()
+            .filter_map(|start| {
+                self.study.contact_base(&recovered, &Setting { law: start, ..setting.clone() }, &law)
+            })
+            .min_by(|a, b| a.criterion.total_cmp(&b.criterion));
         let plain = base.as_ref().map_or(f64::INFINITY, |b| b.criterion);
         if let Some(base) = &base {
             setting.law = base.law;
