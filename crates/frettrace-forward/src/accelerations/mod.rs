@@ -7,6 +7,7 @@
 
 mod balance;
 mod contact;
+mod differentiation;
 mod least_squares;
 mod linear;
 mod model;
@@ -14,12 +15,12 @@ mod ports;
 mod response;
 mod run;
 mod setting;
+mod solve;
 mod structure;
 
 pub use balance::{Balance, Beside};
-pub use model::{
-    AccelerationError, AccelerationModel, ContactHistory, Linearised, Memory, Prediction, RunMemory,
-};
+pub use model::{AccelerationError, AccelerationModel, ContactHistory, Linearised, Memory, Prediction};
 pub use ports::{COEFFICIENTS, PortForce, PortLaw};
 pub use run::RunLines;
 pub use setting::{Port, PortPlace, Quantity, Rig, SensorSetting, Setting};
+pub use solve::RunMemory;

@@ -1,0 +1,181 @@
+//! Derivatives of one run's prediction by the implicit function theorem, and what sensors make of it.
+
+use super::linear::{Direction, Tangent};
+use super::model::{AccelerationModel, Linearised, Prediction};
+use super::run::{Evaluation, coefficient};
+use super::setting::{Quantity, Setting};
+use super::solve::{Factor, RunMemory};
+use super::structure::{Layout, Structure};
+use frettrace_friction::effects::Hook;
+use num_complex::Complex64;
+use std::sync::Arc;
+
+impl AccelerationModel {
+    pub(super) fn differentiate(&self, what: &Differentiation<'_>, kept: &mut RunMemory) -> Linearised {
+        let evaluation = what.evaluation;
+        let mut scratch = evaluation.grid.scratch();
+        let hooks: Vec<Hook> = what
+            .quantities
+            .iter()
+            .filter_map(|q| if let Quantity::Law(hook) = q { Some(*hook) } else { None })
+            .collect();
+        let state = evaluation.evaluate(&kept.unknowns, &mut scratch);
+        let tangent = Tangent::new(evaluation, &state, &hooks);
+        let factor = kept.current().unwrap_or_else(|| {
+            let factor: Factor = Arc::new(tangent.jacobian(&mut scratch).partial_piv_lu());
+            kept.factor = Some((factor.clone(), Arc::new(kept.unknowns.clone())));
+            factor
+        });
+        let plain = evaluation.accelerations(&kept.unknowns);
+        let columns = what
+            .quantities
+            .iter()
+            .enumerate()
+            .map(|(index, &quantity)| {
+                what.column(self, (index, quantity), &hooks, (&tangent, &factor, kept, &plain), &mut scratch)
+            })
+            .collect();
+        let setting = evaluation.setting;
+        Linearised { prediction: distort(plain, setting, evaluation.lines.omega), columns }
+    }
+}
+
+pub(super) struct Differentiation<'a> {
+    pub evaluation: &'a Evaluation<'a>,
+    pub structure: &'a Structure,
+    pub quantities: &'a [Quantity],
+    pub moved: &'a [Option<(Structure, f64)>],
+    pub run: usize,
+}
+
+type Solved<'a> = (&'a Tangent<'a>, &'a Factor, &'a RunMemory, &'a Prediction);
+
+impl Differentiation<'_> {
+    /// Derivative of the prediction by one quantity.
+    fn column(
+        &self,
+        model: &AccelerationModel,
+        (index, quantity): (usize, Quantity),
+        hooks: &[Hook],
+        (tangent, factor, kept, plain): Solved<'_>,
+        scratch: &mut frettrace_fourier::GridScratch,
+    ) -> Prediction {
+        let e = self.evaluation;
+        let direct = self.motion(index, quantity, kept);
+        let direction = match quantity {
+            Quantity::Law(hook) => {
+                Direction { hook: hooks.iter().position(|h| *h == hook), ..Direction::default() }
+            }
+            Quantity::Port(p, c) => Direction { coefficient: Some((p, c)), ..Direction::default() },
+            _ => match &direct {
+                Some(lines) => {
+                    let rows = e.layout.rows();
+                    tangent.direction(|row| (0..=e.order()).map(|h| lines[h * rows + row]).collect(), scratch)
+                }
+                None => return sensor_column(quantity, e, plain),
+            },
+        };
+        let answer = tangent.answer(&direction, scratch);
+        let right = faer::Col::from_fn(answer.len(), |i| answer[i]);
+        let forces = faer::linalg::solvers::Solve::solve(factor.as_ref(), &right);
+        let forces: Vec<f64> = (0..forces.nrows()).map(|i| forces[i]).collect();
+        let _ = model;
+        let rows = e.layout.rows();
+        let change = (0..e.layout.sensors)
+            .map(|s| {
+                (0..=e.lines.order())
+                    .map(|h| {
+                        let at = h as f64 * e.lines.omega;
+                        let row = Layout::sensor_row(s);
+                        let mut sum = direct.as_ref().map_or(Complex64::ZERO, |d| d[h * rows + row]);
+                        for port in 0..=e.layout.ports {
+                            sum -= e.block.at(h, row, 1 + port) * coefficient(&forces, e.order(), port, h);
+                        }
+                        sum * (-at * at)
+                    })
+                    .collect()
+            })
+            .collect();
+        distort_change(change, e.setting, e.lines.omega)
+    }
+
+    /// Change of the motion of every row at fixed contact forces: `∂R_e F − ∂R_f f`, `rows` values a line.
+    fn motion(&self, index: usize, quantity: Quantity, kept: &RunMemory) -> Option<Vec<Complex64>> {
+        let e = self.evaluation;
+        let (omega, order) = (e.lines.omega, e.order());
+        let derivative = match (&self.moved[index], quantity) {
+            (Some((beside, distance)), _) => {
+                let mut block = beside.block(omega, order, e.lines.progress);
+                for (value, plain) in block.values.iter_mut().zip(&e.block.values) {
+                    *value = (*value - plain) / *distance;
+                }
+                block
+            }
+            (None, Quantity::ModeFrequency(n)) => self.structure.mode_gradient(n, false, omega, order),
+            (None, Quantity::ModeDamping(n)) => self.structure.mode_gradient(n, true, omega, order),
+            (None, Quantity::BaseReal | Quantity::BaseImaginary) => return Some(self.base_motion(quantity)),
+            _ => return None,
+        };
+        let changed = Evaluation { block: &derivative, base: &[], ..*e };
+        let rows = e.layout.rows();
+        Some(
+            (0..=order)
+                .flat_map(|h| (0..rows).map(move |row| (h, row)))
+                .map(|(h, row)| changed.displacement(&kept.unknowns, row, h))
+                .collect(),
+        )
+    }
+
+    fn base_motion(&self, quantity: Quantity) -> Vec<Complex64> {
+        let e = self.evaluation;
+        let unit = if quantity == Quantity::BaseReal { Complex64::ONE } else { Complex64::I };
+        let rows = e.layout.rows();
+        self.structure
+            .transmissibility(e.lines.omega, e.order(), e.rotation)
+            .into_iter()
+            .enumerate()
+            .map(|(k, t)| t * unit * e.setting.clamp_unit(e.lines, (self.run, k / rows)))
+            .collect()
+    }
+}
+
+/// Sensors distort: gain, delay and offset.
+pub(super) fn distort(mut plain: Prediction, setting: &Setting, omega: f64) -> Prediction {
+    for (lines, sensor) in plain.iter_mut().zip(&setting.sensors) {
+        for (h, line) in lines.iter_mut().enumerate() {
+            let phase = Complex64::from_polar(sensor.gain, -(h as f64) * omega * sensor.delay);
+            *line = *line * phase + if h == 0 { sensor.offset } else { 0.0 };
+        }
+    }
+    plain
+}
+
+fn distort_change(mut change: Prediction, setting: &Setting, omega: f64) -> Prediction {
+    for (lines, sensor) in change.iter_mut().zip(&setting.sensors) {
+        for (h, line) in lines.iter_mut().enumerate() {
+            *line *= Complex64::from_polar(sensor.gain, -(h as f64) * omega * sensor.delay);
+        }
+    }
+    change
+}
+
+/// Derivative by what only a sensor does.
+fn sensor_column(quantity: Quantity, e: &Evaluation<'_>, plain: &Prediction) -> Prediction {
+    let mut column: Prediction = plain.iter().map(|lines| vec![Complex64::ZERO; lines.len()]).collect();
+    let omega = e.lines.omega;
+    match quantity {
+        Quantity::Gain(s) | Quantity::Delay(s) if s < column.len() => {
+            let sensor = e.setting.sensors[s];
+            for (h, (out, a)) in column[s].iter_mut().zip(&plain[s]).enumerate() {
+                let turn = Complex64::from_polar(1.0, -(h as f64) * omega * sensor.delay);
+                *out = a * turn;
+                if matches!(quantity, Quantity::Delay(_)) {
+                    *out *= Complex64::new(0.0, -(h as f64) * omega) * sensor.gain;
+                }
+            }
+        }
+        Quantity::Offset(s) if s < column.len() => column[s][0] = Complex64::ONE,
+        _ => {}
+    }
+    column
+}
