@@ -23,13 +23,12 @@ impl Phasors {
         let lines = order + 1;
         let mut inner = Vec::with_capacity(2 * lines * BLOCK);
         for b in 0..BLOCK {
-            let row = (0..lines).map(|h| Complex64::cis(theta * (h * b) as f64)).collect::<Vec<_>>();
+            let row = powers(theta * b as f64, lines).collect::<Vec<_>>();
             inner.extend(row.iter().map(|z| z.re));
             inner.extend(row.iter().map(|z| z.im));
         }
-        let outer = (0..samples.div_ceil(BLOCK))
-            .flat_map(|a| (0..lines).map(move |h| Complex64::cis(theta * (h * a * BLOCK) as f64)))
-            .collect();
+        let outer =
+            (0..samples.div_ceil(BLOCK)).flat_map(|a| powers(theta * (a * BLOCK) as f64, lines)).collect();
         Self { lines, inner, outer }
     }
 
@@ -66,6 +65,18 @@ impl Phasors {
             }
         }
     }
+}
+
+/// `e^{ihφ}` for `h = 0 … lines − 1` by products of one turn, anew from the definition every sixteen: rounding stays below a
+/// hundred times that of one product.
+fn powers(phi: f64, lines: usize) -> impl Iterator<Item = Complex64> {
+    const ANEW: usize = 16;
+    let turn = Complex64::cis(phi);
+    let mut now = Complex64::ONE;
+    (0..lines).map(move |h| {
+        now = if h % ANEW == 0 { Complex64::cis(phi * h as f64) } else { now * turn };
+        now
+    })
 }
 
 /// Scalar product with four partial sums, which the compiler keeps in registers.

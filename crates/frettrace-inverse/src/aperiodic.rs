@@ -6,9 +6,15 @@
 //! told apart; a prior on the contact force does it, whose power at each bin is drawn from the record (tapered at first,
 //! then the estimate itself: empirical Bayes).
 //!
+//! A force that is continued periodically jumps at the ends of the record, and modes above the band answer the jump. What is
+//! known as lines ([`Known`]) is therefore taken off first, with its response at its own frequencies, where nothing jumps; the
+//! contact force that is left may be continued as it likes, for its straight line and parabola make no acceleration.
+//!
 //! A drift of contact force and slip that is slower than the record leaves accelerations below the noise. It is taken out
-//! as a polynomial and named unobservable.
+//! as a polynomial and named unobservable; the bands hold what the prior gives it.
 
+mod drift;
+mod known;
 mod outcome;
 mod transient;
 
@@ -19,6 +25,7 @@ use crate::{RunData, RunLines};
 use faer::prelude::Solve;
 use faer::{Col, Mat, Side};
 use frettrace_fourier::spectrum;
+pub(crate) use known::Known;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -28,59 +35,75 @@ use transient::Transients;
 const ROUNDS: usize = 4;
 /// Half width, in bins, of the average that makes the prior.
 const SMOOTHING: usize = 4;
-/// Bins are used up to this share of half the sampling rate: above, anti-alias filters take all.
-const BAND: f64 = 0.95;
 
 /// One bin.
 struct Bin {
     line: LineReceptances,
     data: LineData,
+    /// Variance (N²) of each force without prior.
+    variances: Vec<f64>,
 }
 
 /// The balance of a run over its whole spectrum.
 pub(crate) struct Whole<'a> {
     setting: &'a Setting<'a>,
     loads: &'a [Load],
+    known: &'a Known,
     bins: Vec<Bin>,
     transients: Transients,
     base: f64,
     samples: usize,
 }
 
-/// What one round knows: prior powers of the forces (one vector a load) and the amplitudes of the free decays.
+/// What one round knows: prior powers of the forces (one vector a load), the balance of each bin under them, the amplitudes
+/// of the free decays and the forces.
 struct Round {
     priors: Vec<Vec<f64>>,
+    balances: Vec<LineBalance>,
     amplitudes: Vec<f64>,
     covariance: Mat<f64>,
     forces: Vec<Vec<Complex64>>,
 }
 
-/// Solves a run without assuming a period.
+/// Solves a run without assuming a period; `known` is what is taken off first and put back at the end.
 pub(crate) fn solve(
     setting: &Setting<'_>,
     run: &RunData<'_>,
-    lines: &RunLines,
+    (lines, known): (&RunLines, &Known),
     loads: &[Load],
 ) -> RunBalance {
-    let whole = Whole::new(setting, run, lines, loads);
-    let mut priors = whole.tapered_priors(run);
-    let mut round = whole.round(priors);
+    let left = known.taken_off(run);
+    let whole = Whole::new(setting, &left, (lines, known), loads);
+    let mut round = whole.round(whole.tapered_priors(&left));
     for _ in 1..ROUNDS {
-        priors = whole.updated_priors(&round);
+        let priors = whole.updated_priors(&round);
         round = whole.round(priors);
     }
     whole.outcome(&round)
 }
 
+/// Samples of a run: force, then accelerations.
+pub(super) struct Left {
+    force: Vec<f64>,
+    accelerations: Vec<Vec<f64>>,
+    rate: f64,
+}
+
 impl<'a> Whole<'a> {
-    fn new(setting: &'a Setting<'a>, run: &RunData<'_>, lines: &RunLines, loads: &'a [Load]) -> Self {
-        let samples = run.force.len();
-        let base = TAU * run.sampling_rate / samples as f64;
-        let order = (BAND * 0.5 * samples as f64) as usize;
+    fn new(
+        setting: &'a Setting<'a>,
+        left: &Left,
+        (lines, known): (&RunLines, &'a Known),
+        loads: &'a [Load],
+    ) -> Self {
+        let samples = left.force.len();
+        let base = TAU * left.rate / samples as f64;
+        let order = (samples - 1) / 2;
         let scale = 2.0 / samples as f64;
-        let force = spectrum(run.force);
-        let accelerations: Vec<_> = run.accelerations.iter().map(|a| spectrum(a)).collect();
+        let force = spectrum(&left.force);
+        let accelerations: Vec<_> = left.accelerations.iter().map(|a| spectrum(a)).collect();
         let variances: Vec<f64> = lines.noise_std.iter().map(|s| 2.0 * scale * s * s).collect();
+        let free = vec![f64::INFINITY; loads.len()];
         let bins = (1..=order)
             .into_par_iter()
             .map(|k| {
@@ -92,27 +115,20 @@ impl<'a> Whole<'a> {
                     accelerations: accelerations.iter().map(|a| a[k] * scale).collect(),
                     variances: variances.clone(),
                 };
-                Bin { line, data }
+                let plain = LineBalance::solve(&line, &data, loads, &free);
+                Bin { variances: diagonal(&plain), line, data }
             })
             .collect();
-        let transients = Transients::new(&setting.structure.model, run.sampling_rate, samples, order);
-        Self { setting, loads, bins, transients, base, samples }
+        let transients = Transients::new(&setting.structure.model, left.rate, samples, order);
+        Self { setting, loads, known, bins, transients, base, samples }
     }
 
     /// Powers of the contact forces of the tapered record: a taper forgets the states at the ends.
-    fn tapered_priors(&self, run: &RunData<'_>) -> Vec<Vec<f64>> {
-        let taper = |x: &[f64]| -> Vec<Complex64> {
-            let n = x.len() as f64;
-            let mean = x.iter().sum::<f64>() / n;
-            // Hann's window with the mean square one.
-            let window = |j: usize| (8.0_f64 / 3.0).sqrt() * 0.5 * (1.0 - (TAU * j as f64 / n).cos());
-            let tapered: Vec<f64> = x.iter().enumerate().map(|(j, v)| (v - mean) * window(j)).collect();
-            spectrum(&tapered).iter().map(|z| z * (2.0 / n)).collect()
-        };
-        let force = taper(run.force);
-        let accelerations: Vec<_> = run.accelerations.iter().map(|a| taper(a)).collect();
+    fn tapered_priors(&self, left: &Left) -> Vec<Vec<f64>> {
+        let force = tapered(&left.force);
+        let accelerations: Vec<_> = left.accelerations.iter().map(|a| tapered(a)).collect();
         let free = vec![f64::INFINITY; self.loads.len()];
-        let found: Vec<Vec<(f64, f64)>> = self
+        let found: Vec<Vec<f64>> = self
             .bins
             .par_iter()
             .enumerate()
@@ -122,45 +138,39 @@ impl<'a> Whole<'a> {
                     accelerations: accelerations.iter().map(|a| a[k + 1]).collect(),
                     ..bin.data.clone()
                 };
-                let balance = LineBalance::solve(&bin.line, &data, self.loads, &free);
-                powers(&balance, &balance.forces)
+                let forces = LineBalance::solve(&bin.line, &data, self.loads, &free).forces;
+                forces.iter().zip(&bin.variances).map(|(f, v)| (f.norm_sqr() - v).max(0.0)).collect()
             })
             .collect();
-        self.smoothed(&found, |power, variance| (power - variance).max(0.0))
+        self.smoothed(&found)
     }
 
     /// Powers of the estimate: its square and its variance.
     fn updated_priors(&self, round: &Round) -> Vec<Vec<f64>> {
-        let found: Vec<Vec<(f64, f64)>> = self
-            .bins
+        let found: Vec<Vec<f64>> = round
+            .balances
             .par_iter()
-            .enumerate()
-            .map(|(k, bin)| {
-                let prior: Vec<f64> = round.priors.iter().map(|p| p[k]).collect();
-                let posterior = LineBalance::solve(&bin.line, &bin.data, self.loads, &prior).covariance();
-                let free = vec![f64::INFINITY; self.loads.len()];
-                let plain = LineBalance::solve(&bin.line, &bin.data, self.loads, &free);
-                let n = self.loads.len();
-                powers(&plain, &round.forces[k])
-                    .into_iter()
-                    .enumerate()
-                    .map(|(u, (power, variance))| (power + posterior[u * n + u].re, variance))
-                    .collect()
+            .zip(&round.forces)
+            .map(|(balance, forces)| {
+                forces.iter().zip(diagonal(balance)).map(|(f, posterior)| f.norm_sqr() + posterior).collect()
             })
             .collect();
-        self.smoothed(&found, |power, _| power)
+        self.smoothed(&found)
     }
 
-    /// Averages over neighbouring bins, weighted by what the sensors know of each.
-    fn smoothed(&self, found: &[Vec<(f64, f64)>], value: impl Fn(f64, f64) -> f64) -> Vec<Vec<f64>> {
+    /// Averages of powers (one vector a bin) over neighbouring bins, weighted by what the sensors know of each.
+    fn smoothed(&self, powers: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let count = self.bins.len();
+        let weight = |v: f64| if v > 0.0 { v.recip() } else { 0.0 };
         (0..self.loads.len())
             .map(|u| {
-                (0..found.len())
+                (0..count)
                     .map(|k| {
-                        let near = &found[k.saturating_sub(SMOOTHING)..(k + SMOOTHING + 1).min(found.len())];
-                        let weight = |v: f64| if v > 0.0 { v.recip() } else { 0.0 };
-                        let total: f64 = near.iter().map(|n| weight(n[u].1)).sum();
-                        let sum: f64 = near.iter().map(|n| weight(n[u].1) * value(n[u].0, n[u].1)).sum();
+                        let near = k.saturating_sub(SMOOTHING)..(k + SMOOTHING + 1).min(count);
+                        let (sum, total) = near.fold((0.0, 0.0), |(sum, total), i| {
+                            let w = weight(self.bins[i].variances[u]);
+                            (sum + w * powers[i][u], total + w)
+                        });
                         (sum / total.max(f64::MIN_POSITIVE)).max(f64::MIN_POSITIVE)
                     })
                     .collect()
@@ -191,7 +201,7 @@ impl<'a> Whole<'a> {
             .enumerate()
             .map(|(k, balance)| balance.response(&self.unexplained(k, &amplitudes)))
             .collect();
-        Round { priors, amplitudes, covariance, forces }
+        Round { priors, balances, amplitudes, covariance, forces }
     }
 
     /// Normal matrix (upper triangle, row-major) and right side of the free decays.
@@ -218,46 +228,77 @@ impl<'a> Whole<'a> {
     /// Accelerations of a bin without exciter and free decays.
     fn unexplained(&self, k: usize, amplitudes: &[f64]) -> Vec<Complex64> {
         let bin = &self.bins[k];
+        let motion = self.modal(k, amplitudes);
+        let decays = |s: usize| -> Complex64 {
+            motion.iter().enumerate().map(|(n, a)| a * self.setting.dynamics.sensor_shape(n, s)).sum()
+        };
         (0..bin.data.accelerations.len())
             .map(|s| {
-                let decays: Complex64 =
-                    amplitudes.iter().enumerate().map(|(m, c)| self.decay(k, m, s) * *c).sum();
-                bin.data.accelerations[s] - bin.line.acceleration(s, Load::Exciter) * bin.data.force - decays
+                let exciter = bin.line.acceleration(s, Load::Exciter) * bin.data.force;
+                bin.data.accelerations[s] - exciter - decays(s)
             })
             .collect()
     }
 
-    /// Acceleration of sensor `s` in bin `k` per unit of the free decay `m`.
-    fn decay(&self, k: usize, m: usize, s: usize) -> Complex64 {
-        let shape = self.setting.dynamics.sensor_shape(self.transients.mode(m), s);
-        self.transients.acceleration(m, k) * shape
+    /// Modal accelerations of the free decays in bin `k`; none where there are no amplitudes.
+    fn modal(&self, k: usize, amplitudes: &[f64]) -> Vec<Complex64> {
+        let pairs = amplitudes.chunks_exact(2).enumerate();
+        pairs
+            .map(|(n, c)| {
+                self.transients.acceleration(2 * n, k) * c[0]
+                    + self.transients.acceleration(2 * n + 1, k) * c[1]
+            })
+            .collect()
     }
 
-    /// Adds one bin to the normal equations (upper triangle) of the free decays.
+    /// Shape of a mode at the sensors.
+    fn shape(&self, mode: usize) -> Vec<Complex64> {
+        let dynamics = self.setting.dynamics;
+        (0..dynamics.sensors()).map(|s| Complex64::from(dynamics.sensor_shape(mode, s))).collect()
+    }
+
+    /// Adds one bin to the normal equations (upper triangle) of the free decays. Both decays of a mode have its shape, so
+    /// that products are formed of shapes, and scaled.
     fn accumulate(&self, k: usize, balance: &LineBalance, (matrix, right): &mut (Vec<f64>, Vec<f64>)) {
         let unknowns = right.len();
-        let none = vec![0.0; unknowns];
-        let target = balance.remainder(&self.unexplained(k, &none));
-        let sensors = self.bins[k].data.accelerations.len();
-        let columns: Vec<Vec<Complex64>> = (0..unknowns)
-            .map(|m| balance.remainder(&(0..sensors).map(|s| self.decay(k, m, s)).collect::<Vec<_>>()))
-            .collect();
+        let target = balance.remainder(&self.unexplained(k, &[]));
+        let shapes: Vec<Vec<Complex64>> =
+            (0..unknowns / 2).map(|mode| balance.remainder(&self.shape(mode))).collect();
+        let product =
+            |a: &[Complex64], b: &[Complex64]| a.iter().zip(b).map(|(x, y)| x.conj() * y).sum::<Complex64>();
         // Twice: a bin's real and imaginary parts have half the variance each.
-        let product = |a: &[Complex64], b: &[Complex64]| -> f64 {
-            2.0 * a.iter().zip(b).map(|(x, y)| x.re * y.re + x.im * y.im).sum::<f64>()
-        };
-        for (i, column) in columns.iter().enumerate() {
-            right[i] += product(column, &target);
-            for (j, other) in columns.iter().enumerate().skip(i) {
-                matrix[i * unknowns + j] += product(column, other);
+        let amplitude = |unknown: usize| self.transients.acceleration(unknown, k) * std::f64::consts::SQRT_2;
+        let twice = std::f64::consts::SQRT_2;
+        for (n, shape) in shapes.iter().enumerate() {
+            let along = product(shape, &target) * twice;
+            for i in [2 * n, 2 * n + 1] {
+                right[i] += (amplitude(i).conj() * along).re;
+            }
+            for (q, other) in shapes.iter().enumerate().skip(n) {
+                let common = product(shape, other);
+                for i in [2 * n, 2 * n + 1] {
+                    let scaled = amplitude(i).conj() * common;
+                    for j in [2 * q, 2 * q + 1] {
+                        matrix[i * unknowns + j] += (scaled * amplitude(j)).re;
+                    }
+                }
             }
         }
     }
 }
 
-/// Square and variance of each force.
-fn powers(balance: &LineBalance, forces: &[Complex64]) -> Vec<(f64, f64)> {
-    let n = forces.len();
+/// Amplitudes of a record without its mean, seen through Hann's window with the mean square one.
+fn tapered(x: &[f64]) -> Vec<Complex64> {
+    let n = x.len() as f64;
+    let mean = x.iter().sum::<f64>() / n;
+    let window = |j: usize| (8.0_f64 / 3.0).sqrt() * 0.5 * (1.0 - (TAU * j as f64 / n).cos());
+    let seen: Vec<f64> = x.iter().enumerate().map(|(j, v)| (v - mean) * window(j)).collect();
+    spectrum(&seen).iter().map(|z| z * (2.0 / n)).collect()
+}
+
+/// Variance of each force.
+fn diagonal(balance: &LineBalance) -> Vec<f64> {
+    let n = balance.forces.len();
     let covariance = balance.covariance();
-    (0..n).map(|u| (forces[u].norm_sqr(), covariance[u * n + u].re)).collect()
+    (0..n).map(|u| covariance[u * n + u].re).collect()
 }

@@ -2,12 +2,12 @@
 
 mod check;
 mod series;
+mod whole;
 
 pub use series::Channel;
 use series::Times;
 
 use crate::analysis::{Form, RunLines, analyse};
-use crate::aperiodic;
 use crate::calibration::{CalibratedStructure, Equations, calibrate};
 use crate::contact::{BalanceResidual, ContactHarmonics, RunBalance, Setting};
 use crate::doubt;
@@ -102,21 +102,20 @@ pub fn reconstruct(
         .extend(loudest(&lines).and_then(|run| {
             findings::of_balance(&setting, &Equations::new(&lines[run], loads[run].clone()))
         }));
-    let balances: Vec<RunBalance> = equations
+    let solved: Vec<(RunBalance, Vec<Load>)> = equations
         .par_iter()
         .zip(runs)
         .map(|(equations, run)| match equations.lines.form {
-            Form::Aperiodic => aperiodic::solve(&setting, run, equations.lines, &equations.loads),
-            _ => setting.balance(equations),
+            Form::Aperiodic => whole::solve(rig, &setting, run, equations),
+            _ => (setting.balance(equations), equations.loads.clone()),
         })
         .collect();
     drop(equations);
     let finished = lines
         .into_par_iter()
-        .zip(loads)
         .zip(runs)
-        .zip(balances)
-        .map(|(((lines, loads), run), balance)| {
+        .zip(solved)
+        .map(|((lines, run), (balance, loads))| {
             finish(rig, run, (lines, balance), loads.contains(&Load::NormalDeviation))
         })
         .collect();
@@ -167,27 +166,38 @@ fn free_normal_reaction(
     lines: &[RunLines],
     loads: &mut [Vec<Load>],
 ) -> bool {
-    if rig.slip == Slip::Transverse || rig.normal_stiffness <= 0.0 {
-        return false;
-    }
     let mut any = false;
-    for (lines, loads) in lines.iter().zip(loads) {
-        if rig.sensors.len() < loads.len() + 2 || lines.form == Form::Aperiodic {
+    for (lines, loads) in lines.iter().zip(loads).filter(|(lines, _)| lines.form != Form::Aperiodic) {
+        let residual = |loads: &[Load]| setting.residual(&Equations::new(lines, loads.to_vec())).reduced();
+        if !asks(residual(loads)) {
             continue;
         }
-        let bound = setting.residual(&Equations::new(lines, loads.clone())).reduced() - 1.0;
-        if bound < CONSPICUOUS {
-            continue;
-        }
-        let mut more = loads.clone();
-        more.push(Load::NormalDeviation);
-        let free = setting.residual(&Equations::new(lines, more.clone())).reduced() - 1.0;
-        if free < LEFT * bound {
+        let Some(more) = with_normal_reaction(rig, loads) else { continue };
+        if answered(residual(loads), residual(&more)) {
             *loads = more;
             any = true;
         }
     }
     any
+}
+
+/// Whether a reduced chi-square is conspicuous.
+fn asks(reduced: f64) -> bool {
+    reduced - 1.0 >= CONSPICUOUS
+}
+
+/// Whether the normal reaction takes nearly all of the excess of a reduced chi-square away.
+fn answered(bound: f64, free: f64) -> bool {
+    free - 1.0 < LEFT * (bound - 1.0)
+}
+
+/// The loads with the deviation of the normal reaction, where the rig has one and enough sensors tell it.
+fn with_normal_reaction(rig: &Rig, loads: &[Load]) -> Option<Vec<Load>> {
+    let possible = rig.slip != Slip::Transverse
+        && rig.normal_stiffness > 0.0
+        && rig.sensors.len() >= loads.len() + 2
+        && !loads.contains(&Load::NormalDeviation);
+    possible.then(|| loads.iter().copied().chain([Load::NormalDeviation]).collect())
 }
 
 fn finish(

@@ -1,21 +1,21 @@
 //! From the solved bins to the contact: force, slip, normal force and fit, without the drift nobody can see.
 
-use super::{Round, Whole};
+use super::{Round, Whole, drift};
 use crate::balance::LineBalance;
 use crate::contact::{BalanceResidual, ContactHarmonics, RunBalance, SharedErrors};
 use crate::dynamics::Load;
+use faer::Mat;
 use frettrace_fourier::{Harmonics, spectrum};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// Degree of the drift that is taken out. Two is what a force or slip can do over a record with an acceleration that does
-/// not change; what is faster is seen.
-const DRIFT: usize = 2;
-
 /// Outputs of one bin.
 struct Row {
     values: Vec<Complex64>,
+    /// Variances of the outputs; what the free decays make of those before the sensors is not in it.
     variances: Vec<f64>,
+    /// Change of each output before the sensors per unit of each free decay.
+    gains: Vec<Vec<Complex64>>,
 }
 
 /// Outputs before the sensors: friction, slip, slip velocity, normal, second support.
@@ -24,15 +24,14 @@ const FIRST_SENSOR: usize = 5;
 impl Whole<'_> {
     pub(super) fn outcome(&self, round: &Round) -> RunBalance {
         let sensors = self.setting.dynamics.sensors();
-        let solved: Vec<(Row, Vec<Complex64>, bool)> = self
-            .bins
+        let solved: Vec<(Row, Vec<Complex64>, bool)> = round
+            .balances
             .par_iter()
             .enumerate()
-            .map(|(k, bin)| {
-                let balance = self.balance(k, bin, &round.priors);
+            .map(|(k, balance)| {
                 let left = balance.remainder(&self.unexplained(k, &round.amplitudes));
                 let led_by_prior = balance.covariance()[0].re > 0.5 * round.priors[0][k];
-                (self.row(k, &balance, round), left, led_by_prior)
+                (self.row(k, balance, round), left, led_by_prior)
             })
             .collect();
         let mut residual = BalanceResidual::default();
@@ -45,50 +44,65 @@ impl Whole<'_> {
             regularised.extend(led_by_prior.then_some(k + 1));
             rows.push(row);
         }
-        RunBalance { contact: self.contact(&rows), residual, regularised }
+        RunBalance { contact: self.contact(&rows, round), residual, regularised }
+    }
+
+    /// Variances of the outputs that a force makes whose drift is as strong as what the record shows of the first bins, its own
+    /// drift left out.
+    fn adrift(&self, round: &Round) -> Vec<f64> {
+        let level = |u: usize| {
+            let zero = std::iter::once(Complex64::ZERO);
+            let still = self.still(zero.chain(round.forces.iter().map(|f| f[u])).collect(), drift::DEGREE);
+            let first = still.iter().skip(1).take(drift::LEVEL);
+            first.map(Complex64::norm_sqr).sum::<f64>() / drift::LEVEL as f64
+        };
+        let forces: Vec<Complex64> =
+            (0..self.loads.len()).map(|u| Complex64::from(level(u).sqrt())).collect();
+        self.outputs(0, Complex64::ZERO, &forces).iter().map(Complex64::norm_sqr).collect()
     }
 
     fn row(&self, k: usize, balance: &LineBalance, round: &Round) -> Row {
-        let exciter = self.bins[k].data.force;
-        let values = self.outputs(k, exciter, &round.forces[k], &round.amplitudes);
+        let mut values = self.outputs(k, self.bins[k].data.force, &round.forces[k]);
+        for (m, amplitude) in round.amplitudes.iter().enumerate() {
+            self.add_decay((k, m), *amplitude, &mut values);
+        }
         let loads = self.loads.len();
         let covariance = balance.covariance();
-        let none = vec![0.0; round.amplitudes.len()];
         let mut variances = vec![0.0; values.len()];
         for u in 0..loads {
             // Correlations between two unknown forces matter for their difference only, which is no output.
             let mut unit = vec![Complex64::ZERO; loads];
             unit[u] = Complex64::from(covariance[u * loads + u].re.sqrt());
-            let change = self.outputs(k, Complex64::ZERO, &unit, &none);
+            let change = self.outputs(k, Complex64::ZERO, &unit);
             variances.iter_mut().zip(change).for_each(|(v, c)| *v += c.norm_sqr());
         }
-        self.add_decays(k, balance, round, &mut variances);
-        Row { values, variances }
+        let mut gains = self.gains(k, balance, round);
+        for (variance, gain) in variances.iter_mut().zip(&gains).skip(FIRST_SENSOR) {
+            *variance += made(gain, &round.covariance);
+        }
+        gains.truncate(FIRST_SENSOR);
+        Row { values, variances, gains }
     }
 
-    /// Adds what the uncertain free decays make of the outputs; correlations between decays included.
-    fn add_decays(&self, k: usize, balance: &LineBalance, round: &Round, variances: &mut [f64]) {
+    /// Change of each output per unit of each free decay, the measurements being given.
+    fn gains(&self, k: usize, balance: &LineBalance, round: &Round) -> Vec<Vec<Complex64>> {
         let count = round.amplitudes.len();
-        let sensors = self.setting.dynamics.sensors();
-        let gains: Vec<Vec<Complex64>> = (0..count)
-            .map(|m| {
-                let change: Vec<Complex64> = (0..sensors).map(|s| -self.decay(k, m, s)).collect();
-                let mut amplitudes = vec![0.0; count];
-                amplitudes[m] = 1.0;
-                self.outputs(k, Complex64::ZERO, &balance.response(&change), &amplitudes)
-            })
-            .collect();
-        for (o, variance) in variances.iter_mut().enumerate() {
-            for (m, gain) in gains.iter().enumerate() {
-                let along: Complex64 =
-                    gains.iter().enumerate().map(|(q, g)| g[o] * round.covariance[(m, q)]).sum();
-                *variance += (gain[o].conj() * along).re;
+        let mut gains = vec![Vec::with_capacity(count); FIRST_SENSOR + self.setting.dynamics.sensors()];
+        for mode in 0..count / 2 {
+            let forces = balance.response(&self.shape(mode));
+            for m in [2 * mode, 2 * mode + 1] {
+                let taken: Vec<Complex64> =
+                    forces.iter().map(|f| -f * self.transients.acceleration(m, k)).collect();
+                let mut change = self.outputs(k, Complex64::ZERO, &taken);
+                self.add_decay((k, m), 1.0, &mut change);
+                gains.iter_mut().zip(change).for_each(|(gain, c)| gain.push(c));
             }
         }
+        gains
     }
 
-    /// All outputs of a bin for given forces and free decays.
-    fn outputs(&self, k: usize, exciter: Complex64, forces: &[Complex64], decays: &[f64]) -> Vec<Complex64> {
+    /// All outputs of a bin for given forces; they are linear in them.
+    fn outputs(&self, k: usize, exciter: Complex64, forces: &[Complex64]) -> Vec<Complex64> {
         let line = &self.bins[k].line;
         let dynamics = self.setting.dynamics;
         let sum = |response: &dyn Fn(Load) -> Complex64| {
@@ -98,101 +112,97 @@ impl Whole<'_> {
         let own = |wanted: Load| {
             self.loads.iter().zip(forces).find(|(l, _)| **l == wanted).map_or(Complex64::ZERO, |(_, f)| *f)
         };
-        let (mut slip, mut end) = (sum(&|l| line.slip(l)), sum(&|l| line.end(l)));
-        // A decay ends elsewhere than it began: its velocity is a spectrum of its own, not iω times its displacement.
-        let mut velocity = slip * Complex64::new(0.0, line.omega());
-        for (m, amplitude) in decays.iter().enumerate().filter(|(_, a)| **a != 0.0) {
-            let motion = self.transients.displacement(m, k) * *amplitude;
-            let [slip_shape, end_shape] = dynamics.contact_shape(self.transients.mode(m));
-            slip += motion * slip_shape;
-            velocity += self.transients.velocity(m, k) * (amplitude * slip_shape);
-            end += motion * end_shape;
-        }
+        let (slip, end) = (sum(&|l| line.slip(l)), sum(&|l| line.end(l)));
+        let velocity = slip * Complex64::new(0.0, line.omega());
         let normal = own(Load::NormalDeviation) - end * self.setting.normal_stiffness;
         let mut outputs = vec![own(Load::Friction), slip, velocity, normal, own(Load::SecondSupport)];
-        outputs.extend((0..dynamics.sensors()).map(|s| {
-            let free: Complex64 = decays.iter().enumerate().map(|(m, c)| self.decay(k, m, s) * *c).sum();
-            sum(&|l| line.acceleration(s, l)) + free
-        }));
+        outputs.extend((0..dynamics.sensors()).map(|s| sum(&|l| line.acceleration(s, l))));
         outputs
     }
 
-    /// Harmonics of all outputs; contact force, slip and normal force without their drift.
-    fn contact(&self, rows: &[Row]) -> ContactHarmonics {
+    /// Adds the motion of the free decay `m` in bin `k` to the outputs. A decay ends elsewhere than it began: its velocity is a
+    /// spectrum of its own, not iω times its displacement.
+    fn add_decay(&self, (k, m): (usize, usize), amplitude: f64, outputs: &mut [Complex64]) {
+        let dynamics = self.setting.dynamics;
+        let mode = self.transients.mode(m);
+        let [slip_shape, end_shape] = dynamics.contact_shape(mode);
+        let motion = self.transients.displacement(m, k) * amplitude;
+        outputs[1] += motion * slip_shape;
+        outputs[2] += self.transients.velocity(m, k) * (amplitude * slip_shape);
+        outputs[3] -= motion * (end_shape * self.setting.normal_stiffness);
+        let acceleration = self.transients.acceleration(m, k) * amplitude;
+        for (s, output) in outputs[FIRST_SENSOR..].iter_mut().enumerate() {
+            *output += acceleration * dynamics.sensor_shape(mode, s);
+        }
+    }
+
+    /// Harmonics of all outputs, what was known put back; contact force, slip and normal force without their drift.
+    fn contact(&self, rows: &[Row], round: &Round) -> ContactHarmonics {
+        let adrift = self.adrift(round);
         let harmonics = |o: usize| {
             let zero = std::iter::once(Complex64::ZERO);
             let coefficients = zero.chain(rows.iter().map(|r| r.values[o])).collect();
             let variance = std::iter::once(0.0).chain(rows.iter().map(|r| r.variances[o])).collect();
             Harmonics { base: self.base, coefficients, variance }
         };
-        let still = |o: usize, degree: usize| self.without_drift(harmonics(o), degree);
+        let still = |o: usize, degree: usize| {
+            let mut found = harmonics(o);
+            found.coefficients = self.still(found.coefficients, degree);
+            self.add_decays(rows, (o, degree), &round.covariance, &mut found.variance);
+            found.variance.iter_mut().skip(1).take(degree / 2).for_each(|v| *v = adrift[o]);
+            self.with(found, &self.known.contact[o])
+        };
         ContactHarmonics {
-            friction: still(0, DRIFT),
-            slip: still(1, DRIFT),
-            slip_velocity: still(2, DRIFT - 1),
-            normal: still(3, DRIFT),
-            second_support: self.loads.contains(&Load::SecondSupport).then(|| still(4, DRIFT)),
+            friction: still(0, drift::DEGREE),
+            slip: still(1, drift::DEGREE),
+            slip_velocity: still(2, drift::DEGREE - 1),
+            normal: still(3, drift::DEGREE),
+            second_support: self.loads.contains(&Load::SecondSupport).then(|| still(4, drift::DEGREE)),
             acceleration_fit: (0..self.setting.dynamics.sensors())
-                .map(|s| harmonics(FIRST_SENSOR + s))
+                .map(|s| self.with(harmonics(FIRST_SENSOR + s), &self.known.accelerations[s]))
                 .collect(),
             shared: SharedErrors::default(),
         }
     }
 
-    /// Takes the polynomial of a degree out of a series, and the bins it covers out of its variance.
-    fn without_drift(&self, mut harmonics: Harmonics, degree: usize) -> Harmonics {
-        let rate = self.base * self.samples as f64 / std::f64::consts::TAU;
-        let mut series = harmonics.sample(rate, self.samples);
-        remove_polynomial(&mut series, degree);
-        let bins = spectrum(&series);
-        let scale = 2.0 / self.samples as f64;
-        for (coefficient, bin) in harmonics.coefficients.iter_mut().zip(&bins).skip(1) {
-            *coefficient = bin * scale;
+    /// Adds what the uncertain free decays make of an output, its drift left out: that is the largest part of it, for a decay is
+    /// hard to tell from a force whose second derivative is one.
+    fn add_decays(
+        &self,
+        rows: &[Row],
+        (o, degree): (usize, usize),
+        covariance: &Mat<f64>,
+        variance: &mut [f64],
+    ) {
+        let series: Vec<Vec<Complex64>> = (0..covariance.nrows())
+            .into_par_iter()
+            .map(|m| {
+                let zero = std::iter::once(Complex64::ZERO);
+                self.still(zero.chain(rows.iter().map(|row| row.gains[o][m])).collect(), degree)
+            })
+            .collect();
+        for (k, variance) in variance.iter_mut().enumerate().skip(1) {
+            let gain: Vec<Complex64> = series.iter().map(|s| s[k]).collect();
+            *variance += made(&gain, covariance);
         }
-        harmonics.variance.iter_mut().take(1 + degree / 2).for_each(|v| *v = 0.0);
+    }
+
+    /// Adds samples, their mean left out.
+    fn with(&self, mut harmonics: Harmonics, samples: &[f64]) -> Harmonics {
+        let scale = 2.0 / self.samples as f64;
+        let bins = spectrum(samples);
+        harmonics.coefficients.iter_mut().zip(&bins).skip(1).for_each(|(c, bin)| *c += bin * scale);
         harmonics
     }
 }
 
-/// Takes a polynomial out of equidistant samples, fitted with the weight `cos(πt/2)`, `t ∈ (−1, 1)`, so that strong lines
-/// do not leak into it from the ends; orthogonal polynomials by Stieltjes' recursion.
-fn remove_polynomial(series: &mut [f64], degree: usize) {
-    let n = series.len();
-    let at = |j: usize| (2.0 * j as f64 + 1.0) / n as f64 - 1.0;
-    let weight: Vec<f64> = (0..n).map(|j| (std::f64::consts::FRAC_PI_2 * at(j)).cos()).collect();
-    let inner =
-        |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).zip(&weight).map(|((x, y), w)| w * x * y).sum() };
-    let (mut before, mut now) = (vec![0.0; n], vec![1.0; n]);
-    let mut before_norm = 1.0;
-    for _ in 0..=degree {
-        let norm = inner(&now, &now);
-        let along = inner(series, &now) / norm;
-        series.iter_mut().zip(&now).for_each(|(x, p)| *x -= along * p);
-        // The weight is even, so p_{i+1} = t p_i − (‖p_i‖²/‖p_{i−1}‖²) p_{i−1}.
-        let next = (0..n).map(|j| at(j) * now[j] - norm / before_norm * before[j]).collect();
-        before = now;
-        before_norm = norm;
-        now = next;
+/// Variance that uncertain amplitudes make with given gains: `Σ g_mᴴ C_mq g_q`.
+fn made(gain: &[Complex64], covariance: &Mat<f64>) -> f64 {
+    let mut sum = 0.0;
+    for (m, g) in gain.iter().enumerate() {
+        let others = gain.iter().enumerate().skip(m + 1);
+        let along: f64 = others.map(|(q, o)| covariance[(m, q)] * (g.re * o.re + g.im * o.im)).sum();
+        sum += covariance[(m, m)] * g.norm_sqr() + 2.0 * along;
     }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A parabola vanishes altogether; a fast sine stays: 64 periods leak less than 1e-3 into a weighted parabola.
-    #[test]
-    fn polynomials_are_taken_out() {
-        let parabola = |j: usize| {
-            let t = j as f64 / 500.0 - 1.0;
-            3.0 - t + 2.0 * t * t
-        };
-        let mut series: Vec<f64> = (0..1001).map(parabola).collect();
-        remove_polynomial(&mut series, 2);
-        assert!(series.iter().all(|v| v.abs() < 1e-11));
-        let sine = |j: usize| (0.4 * j as f64).sin();
-        let mut series: Vec<f64> = (0..1001).map(|j| parabola(j) + sine(j)).collect();
-        remove_polynomial(&mut series, 2);
-        assert!(series.iter().enumerate().all(|(j, v)| (v - sine(j)).abs() < 1e-3));
-    }
+    sum.max(0.0)
 }

@@ -34,8 +34,11 @@ impl Channel {
         let (variance, breathing) = split(total, shared);
         let turn = if harmonics.base > 0.0 { frequency_std / harmonics.base } else { 0.0 };
         let middle = 0.5 * (samples as f64 - 1.0) / rate;
+        let derivative = harmonics.derivative();
+        // At the ends of the record, where the turn matters most.
+        let turned = (turn * middle * derivative.rms()).powi(2);
         let slope =
-            if turn > 0.0 { harmonics.derivative().sample(rate, samples) } else { vec![0.0; samples] };
+            if turned > NEGLIGIBLE * total { derivative.sample(rate, samples) } else { vec![0.0; samples] };
         let std = (0..samples)
             .map(|j| {
                 let t = j as f64 / rate;
