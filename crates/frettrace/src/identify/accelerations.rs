@@ -1,21 +1,26 @@
 //! A measurement file: the law and the structure against the accelerations themselves.
 
+mod aperiodic;
 mod described;
 mod groups;
 mod joint;
 mod loops;
+mod problem;
+mod support;
 
 use super::contact_record::comparison;
-use crate::case::case;
+use crate::case::{case, recover_aperiodic};
 use crate::results::{Identification, Step};
 use crate::{Progress, StudyError};
 use described::{described, from_loops_alone};
-use frettrace_explain::{Case, Fitted, Study};
+use frettrace_explain::{Case, ExplainError, Fitted, Study};
 use frettrace_forward::accelerations::{RunLines, Setting};
 use frettrace_friction::effects::{Hook, ModifiedLaw};
-use frettrace_identify::contact::{ContactFit, ContactHistory, ContactSettings, Family, identify_contact};
+use frettrace_identify::contact::{
+    ContactFit, ContactHistory, ContactModel, ContactSettings, Extras, Family, identify_contact,
+};
 use frettrace_identify::evidence::{Candidate, rank};
-use frettrace_identify::{GroupTest, Identified};
+use frettrace_identify::{GroupTest, Identified, widen_to_accuracy};
 use frettrace_measurement::Measurement;
 use groups::{Condition, conditions};
 use loops::Loops;
@@ -28,6 +33,8 @@ struct Joint {
     steps: Vec<Step>,
     held_out: f64,
     training: Vec<usize>,
+    /// Runs that are not periodic and took part by their recovered forces.
+    aperiodic: Vec<usize>,
     /// Lines of all runs, with the forces that were recovered beside the contact.
     lines: Vec<RunLines>,
     /// Whether parameters differ between groups of runs.
@@ -51,14 +58,21 @@ pub(super) fn identify(
     progress: &Progress,
 ) -> Result<Identification, StudyError> {
     progress.start(2 * families.len() as u64 + 1, "identify");
-    let declared = case(measurement)?;
+    let mut declared = case(measurement)?;
+    recover_aperiodic(&mut declared, measurement)?;
     progress.step();
     let mut notes = Vec::new();
     let mut joints = Vec::new();
     let mut unsolved = None;
     let conditions = conditions(measurement);
     let declared = Case { law: families[0], ..declared };
-    let (first, blank) = Study::new(&declared)?;
+    let (first, blank) = match Study::new(&declared) {
+        Err(error @ ExplainError::NothingPeriodic { .. }) => {
+            progress.finish();
+            return without_periods(&declared, families, error);
+        }
+        study => study?,
+    };
     for start in promising(starts((&declared, &first, &blank), families, progress)?, &mut notes) {
         let loops = start.loops.clone();
         let case = Case { law: start.family, ..declared.clone() };
@@ -141,8 +155,9 @@ fn one_law(
     let leading = if start.family.is_static() { vec![own.clone()] } else { Vec::new() };
     let found = start.settings.iter().map(|s| Setting { law: s.law, ..own.clone() });
     let settings: Vec<Setting> = leading.into_iter().chain(found).collect();
-    let fitted = joint::fit(&mut study, &settings)?;
-    let judgement = joint::judged(&study, &fitted, conditions)?;
+    let found = joint::fit(&mut study, &settings)?;
+    let judgement = joint::judged(&study, &found, conditions)?;
+    let (fitted, aperiodic) = (found.fitted, found.aperiodic.runs);
     let (identified, tests) = (judgement.identified, judgement.tests);
     let mut steps = start.steps;
     steps.push(Step {
@@ -153,7 +168,7 @@ fn one_law(
     let held_out = study.error(&fitted, &study.held_out).ratio();
     let training = study.training.clone();
     let lines = study.model.runs;
-    Ok(Joint { family: start.family, fitted, identified, steps, held_out, training, lines, tests })
+    Ok(Joint { family: start.family, fitted, identified, steps, held_out, training, aperiodic, lines, tests })
 }
 
 /// Starts of a law on the recovered loops.
@@ -168,15 +183,12 @@ fn from_loops(
     loops: &Loops,
     blank: &Setting,
 ) -> Result<Start, StudyError> {
-    let bristle = match family {
-        Family::Coulomb if !compared => Family::Dahl,
-        Family::Stribeck if !compared => Family::LuGre,
-        other => other,
-    };
+    let bristle = if compared { family } else { bristle(family) };
     let settings = ContactSettings { starts: STARTS, profiles: false, ..ContactSettings::default() };
-    let rough = identify_contact(bristle, &loops.histories.iter().collect::<Vec<_>>(), &settings)?;
+    let first: Vec<&ContactHistory> = loops.histories.iter().chain(&loops.open).collect();
+    let rough = identify_contact(bristle, &first, &settings)?;
     let filled = loops.filled(&rough);
-    let used: Vec<&ContactHistory> = filled.iter().collect();
+    let used: Vec<&ContactHistory> = filled.iter().chain(&loops.open).collect();
     let fit = identify_contact(bristle, &used, &settings)?;
     let minima = std::iter::once(fit.law_values()).chain(fit.others.iter().cloned());
     let laws = minima.map(|values| begin((family, bristle), &values));
@@ -187,6 +199,39 @@ fn from_loops(
         error: s.error,
     });
     Ok(Start { family, settings, steps: steps.collect(), error: fit.error, loops: fit })
+}
+
+/// The bristle of which a law without memory is the stiff limit.
+fn bristle(family: Family) -> Family {
+    match family {
+        Family::Coulomb => Family::Dahl,
+        Family::Stribeck => Family::LuGre,
+        other => other,
+    }
+}
+
+/// The law that leaves least of recovered motion and force where no run is periodic.
+fn without_periods(
+    declared: &Case,
+    families: &[Family],
+    error: ExplainError,
+) -> Result<Identification, StudyError> {
+    let histories = aperiodic::histories(declared);
+    let used: Vec<&ContactHistory> = histories.iter().collect();
+    let settings = ContactSettings { starts: STARTS, profiles: false, ..ContactSettings::default() };
+    let mut best: Option<ContactFit> = None;
+    for family in families {
+        let family = if families.len() > 1 { *family } else { bristle(*family) };
+        let Ok(mut found) = identify_contact(family, &used, &settings) else { continue };
+        let values = found.law_values();
+        let model = ContactModel::new(family, used.clone(), &values, Extras::default());
+        widen_to_accuracy(&model, &mut found.identified, aperiodic::ACCURACY);
+        if best.as_ref().is_none_or(|best| found.error < best.error) {
+            best = Some(found);
+        }
+    }
+    let error = StudyError::from(error);
+    best.map(|best| from_loops_alone(&best, &error, Vec::new())).ok_or(error)
 }
 
 /// A law to start the joint fit from: values of a bristle, of which the law may be the rigid limit.

@@ -2,6 +2,7 @@
 
 use super::super::estimates::{estimate, remark};
 use super::Joint;
+use super::aperiodic::ACCURACY;
 use crate::StudyError;
 use crate::results::{
     ErrorSummary, Estimate, HeldOut, Identification, ModeEstimate, NoiseFloorSource, Provenance, Step,
@@ -34,11 +35,18 @@ pub(super) fn described((measurement, study): (&Measurement, &Study<'_>), joint:
         notes.extend(remark(&parameter.name, &parameter));
         parameters.insert(parameter.name.clone(), estimate(&parameter));
     }
-    let fitted = [&study.training[..], &study.held_out[..]].concat();
+    let fitted = [&study.training[..], &study.held_out[..], &joint.aperiodic].concat();
+    if !joint.aperiodic.is_empty() {
+        notes.push(format!(
+            "runs that are not periodic take part by the force and slip recovered of them, each force known to {} % as a whole: {}",
+            100.0 * ACCURACY,
+            names(&joint.aperiodic).join(", ")
+        ));
+    }
     let left_out: Vec<usize> = (0..measurement.runs.len()).filter(|k| !fitted.contains(k)).collect();
     if !left_out.is_empty() {
         notes.push(format!(
-            "runs that are not periodic or have no balanced solution take no part: {}",
+            "runs that could not be recovered or have no balanced solution take no part: {}",
             names(&left_out).join(", ")
         ));
     }

@@ -1,16 +1,17 @@
 //! Step (v): law and structure together against the accelerations, and what may be said of the result.
 
+use super::aperiodic::Aperiodic;
 use super::groups::{Condition, tested};
+use super::problem::{self, Problem};
+use super::support::{self, Support};
 use crate::StudyError;
-use frettrace_explain::{AccelerationFit, Fitted, Study, Unknown, positive, signed};
-use frettrace_forward::accelerations::{
-    AccelerationModel, Beside, COEFFICIENTS, Port, PortLaw, PortPlace, Quantity, Rig, RunLines, Setting,
-};
+use frettrace_explain::{Fitted, Study, Unknown, positive, signed};
+use frettrace_forward::accelerations::{AccelerationModel, Quantity, Rig, RunLines, Setting};
 use frettrace_friction::effects::Hook;
 use frettrace_identify::contact::Family;
 use frettrace_identify::{
-    FitSettings, GroupTest, Grouping, Held, Identified, IdentifySettings, Parameter, Transform, correct_by,
-    identify, starts, test_groups, widen_by_groups, widen_by_held, widen_to_accuracy,
+    FitSettings, GroupTest, Grouping, Held, Identified, IdentifySettings, Model, Parameter, Transform,
+    correct_by, identify, starts, test_groups, widen_by_groups, widen_by_held, widen_to_accuracy,
 };
 use rayon::prelude::*;
 
@@ -27,6 +28,12 @@ const ROUNDS: usize = 3;
 const SOFT: f64 = 0.02;
 /// Linearisations of each of them: what is not near by then is not worth more.
 const FEW_ITERATIONS: usize = 12;
+/// Share of a period in which the contact is at its limit from which it slides beyond doubt.
+const SLIDING: f64 = 0.1;
+/// Friction that a contact which only sticks may have as well.
+const MORE_FRICTION: f64 = 1.3;
+/// Difference of χ² that a limit which touches the noise may gain: that of five standard deviations.
+const LIKE: f64 = 25.0;
 /// Linearisations with which a found minimum is made sharp.
 const POLISH: usize = 12;
 /// No accelerometer and no load cell keeps its calibration from run to run better than to this share.
@@ -34,8 +41,8 @@ const CALIBRATION: f64 = 5e-4;
 /// No two models of the same beam and contact agree better than to this share of a parameter.
 const ACCURACY: f64 = 5e-4;
 
-/// Times that the force of a second support is recovered anew: structure and force settle to a part in a thousand.
-const RENEWALS: usize = 2;
+/// Times that the force of a second support is fitted anew beside law and structure.
+const RENEWALS: usize = 3;
 /// Error over that of the noise from which a law is not that of the contact.
 const MISFIT: f64 = 1.5;
 
@@ -43,9 +50,30 @@ const MISFIT: f64 = 1.5;
 /// adds a tenth to the variance.
 const LOOSE: f64 = 0.3;
 
+/// A joint fit with what was compared beside plain lines.
+pub(super) struct Found {
+    pub(super) fitted: Fitted,
+    support: Option<Support>,
+    pub(super) aperiodic: Aperiodic,
+    /// Relative standard deviation of the mean normal force under the unknown mean of a second support's force.
+    normal_doubt: f64,
+}
+
+impl Found {
+    /// Whether anything but plain lines is compared.
+    fn is_more(&self) -> bool {
+        self.support.is_some() || !self.aperiodic.runs.is_empty()
+    }
+
+    fn beside(&self) -> problem::Beside<'_> {
+        let aperiodic = Some(&self.aperiodic).filter(|a| !a.runs.is_empty());
+        problem::Beside { support: self.support.as_ref(), aperiodic }
+    }
+}
+
 /// The best joint fit. Runs whose balance does not close at the start join once the others have improved the law; those
 /// that still do not close are taken out of the training runs.
-pub(super) fn fit(study: &mut Study<'_>, starts: &[Setting]) -> Result<Fitted, StudyError> {
+pub(super) fn fit(study: &mut Study<'_>, starts: &[Setting]) -> Result<Found, StudyError> {
     let setting = &starts[0];
     let all = study.training.clone();
     study.training = closing(study, setting, &all);
@@ -57,10 +85,8 @@ pub(super) fn fit(study: &mut Study<'_>, starts: &[Setting]) -> Result<Fitted, S
         study.training.clone_from(&all);
     }
     let mut fitted = fit_training(study, starts)?;
-    for _ in 0..RENEWALS {
-        if renew_support(study, &fitted.setting) {
-            fitted = fit_training(study, &[fitted.setting.clone()])?;
-        }
+    if support::recover(study, &fitted.setting) {
+        fitted = fit_training(study, &[fitted.setting.clone()])?;
     }
     let closed = closing(study, &fitted.setting, &all);
     if closed.len() > study.training.len() {
@@ -70,45 +96,45 @@ pub(super) fn fit(study: &mut Study<'_>, starts: &[Setting]) -> Result<Fitted, S
             Err(_) => study.training = few,
         }
     }
-    Ok(polished(study, fitted))
+    let aperiodic = Aperiodic::new(study, &fitted.setting)?;
+    let mut found = Found { fitted, support: None, aperiodic, normal_doubt: 0.0 };
+    found.fitted = polished(study, &found);
+    for _ in 0..RENEWALS {
+        found.support = Support::new(study, &found.fitted)?;
+        let Some(support) = &found.support else { break };
+        found.fitted = polished(study, &found);
+        let fitted = &found.fitted;
+        let whole = Problem::new(study, fitted, (&fitted.unknowns, problem::Beside::default()));
+        let mut residual = vec![0.0; whole.residual_count()];
+        if whole.residual(&fitted.fit.values, &mut whole.memory(), &mut residual).is_ok() {
+            support.renew(study, &residual);
+        }
+    }
+    found.normal_doubt = support::doubt(study, &found.fitted);
+    Ok(found)
 }
 
 /// The same minimum more sharply: along a weak direction a fit that ends where χ² falls by a part in a thousand of itself is
-/// standard deviations away from it.
-fn polished(study: &Study<'_>, rough: Fitted) -> Fitted {
-    let (setting, runs) = (rough.setting.clone(), study.training.clone());
-    let problem = AccelerationFit::new(&study.model, setting, &rough.unknowns, runs, rough.memory.clone());
+/// standard deviations away from it. With a second support or runs that are not periodic it is another minimum.
+fn polished(study: &Study<'_>, rough: &Found) -> Fitted {
+    let fitted = &rough.fitted;
+    let problem = Problem::new(study, fitted, (&fitted.unknowns, rough.beside()));
     let settings = FitSettings {
         max_iterations: POLISH,
         relative_tolerance: 1e-6,
         absolute_tolerance: 0.01,
         ..FitSettings::default()
     };
-    match frettrace_identify::fit(&problem, &rough.fit.values, &settings) {
-        Ok(found) if found.cost < rough.fit.cost => {
-            let setting = problem.at(&found.values);
-            let mut memory = rough.memory.clone();
+    match frettrace_identify::fit(&problem, &fitted.fit.values, &settings) {
+        Ok(found) if rough.is_more() || found.cost < fitted.fit.cost => {
+            let setting = problem.accelerations.at(&found.values);
+            let mut memory = fitted.memory.clone();
             // Solutions near it; a run that does not balance keeps none.
             let _ = study.model.predict(&setting, &study.training, &mut memory);
-            Fitted { setting, fit: found, memory, ..rough }
+            Fitted { setting, fit: found, memory, ..fitted.clone() }
         }
-        _ => rough,
+        _ => fitted.clone(),
     }
-}
-
-/// Recovers the force of a declared second support anew where the structure has been calibrated; whether there is one.
-fn renew_support(study: &mut Study<'_>, setting: &Setting) -> bool {
-    let Some(position) = study.case.rig.known_support else { return false };
-    let port =
-        Port { place: PortPlace::At(position), law: PortLaw::Polynomial, coefficients: [0.0; COEFFICIENTS] };
-    let beside = Setting { ports: vec![port], ..setting.clone() };
-    let runs: Vec<usize> = (0..study.model.runs.len()).collect();
-    let Ok(found) = study.model.balance_beside(&beside, &runs, Beside::Ports) else { return false };
-    for (run, change) in study.model.runs.iter_mut().zip(&found) {
-        let more = change.beside.iter().flatten();
-        run.known_force.iter_mut().zip(more).for_each(|(force, more)| *force += more);
-    }
-    true
 }
 
 /// The runs of a list whose balance closes.
@@ -186,6 +212,12 @@ fn unknowns(study: &Study<'_>) -> Vec<Unknown> {
             _ => {}
         }
     }
+    let told = Family::Hybrid.parameters(&[1.0; 9]).into_iter().chain(Family::Dahl.parameters(&[1.0; 3]));
+    for described in told {
+        let name = if described.name == "mu_s" { "mu_rise" } else { &described.name };
+        let alike = unknowns.iter_mut().filter(|u| u.parameter.name == name);
+        alike.for_each(|u| u.parameter.experiment.clone_from(&described.experiment));
+    }
     unknowns
 }
 
@@ -230,9 +262,10 @@ pub(super) struct Judgement {
 /// Intervals: by covariance where a parameter is sharp, by profile where it is not; calibration and model accuracy on top.
 pub(super) fn judged(
     study: &Study<'_>,
-    fitted: &Fitted,
+    found: &Found,
     conditions: &[Condition],
 ) -> Result<Judgement, StudyError> {
+    let fitted = &found.fitted;
     let count = fitted.unknowns.len();
     let sensors = study.case.rig.sensors.len();
     let mut unknowns = fitted.unknowns.clone();
@@ -242,9 +275,7 @@ pub(super) fn judged(
     fit.values.resize(count + sensors, 1.0);
     fit.free.resize(count + sensors, false);
     fit.at_bound.resize(count + sensors, false);
-    let warm = fitted.memory.clone();
-    let problem =
-        AccelerationFit::new(&study.model, fitted.setting.clone(), &unknowns, study.training.clone(), warm);
+    let problem = Problem::new(study, fitted, (&unknowns, found.beside()));
     let mut settings = IdentifySettings {
         profiled: vec![false; count + sensors],
         fit: FitSettings {
@@ -264,19 +295,26 @@ pub(super) fn judged(
     let mut judged =
         if settings.profiled.contains(&true) { identify(&problem, &fit, &settings)? } else { plain };
     let held: Vec<(usize, f64)> = (count..count + sensors).map(|k| (k, CALIBRATION)).collect();
-    let sizes: Vec<usize> = study.training.iter().map(|run| residuals(study, *run)).collect();
+    let sizes = problem.sizes();
+    let runs = [&study.training[..], &found.aperiodic.runs].concat();
     let wanted = tested(fitted.unknowns.iter().map(|u| u.quantity));
     let tests = conditions.iter().map(|condition| {
-        let group: Vec<usize> = study.training.iter().map(|run| condition.group[*run]).collect();
+        let group: Vec<usize> = runs.iter().map(|run| condition.group[*run]).collect();
         let grouping = Grouping { sizes: &sizes, group: &group };
         test_groups(&problem, (&fit, &judged), grouping, &wanted)
     });
     let tests: Vec<Vec<GroupTest>> = tests.collect();
     widen_by_groups(&problem, &fit, &mut judged, &sizes);
     widen_by_held(&problem, &fit, &mut judged, &Held { parameters: &held, sizes: &sizes });
-    widen_to_accuracy(&problem, &mut judged, ACCURACY);
+    widen_to_accuracy(&problem, &mut judged, ACCURACY.hypot(found.normal_doubt));
     if let Some(change) = truncation(study, fitted) {
-        correct_by(&problem, &fit, &mut judged, &change);
+        correct_by(&problem, &fit, &mut judged, &problem.change(change));
+    }
+    if found.aperiodic.runs.is_empty() && only_sticks(study, fitted) {
+        judged.withhold(
+            "the contact hardly slides in the runs that take part: what it held is only a lower bound of its friction; what would \
+             tell: runs at higher levels",
+        );
     }
     let ratio = study.error(fitted, &study.training).ratio();
     if ratio > MISFIT {
@@ -285,6 +323,36 @@ pub(super) fn judged(
         ));
     }
     Ok(Judgement { identified: judged, tests })
+}
+
+/// Whether a rigid contact with much more friction describes the runs as well: χ² of a contact that sticks falls where the
+/// limit touches the noise, and its curvature there says nothing of larger limits.
+fn only_sticks(study: &Study<'_>, fitted: &Fitted) -> bool {
+    if !fitted.setting.holds_rigidly() || study.training.iter().any(|run| slides(study, fitted, *run)) {
+        return false;
+    }
+    let mut stronger = fitted.setting.clone();
+    for hook in [Hook::MuKinetic, Hook::StribeckRise] {
+        if let Some(value) = stronger.law.get(hook) {
+            stronger.law.set(hook, MORE_FRICTION * value);
+        }
+    }
+    let others: Vec<Unknown> =
+        fitted.unknowns.iter().filter(|u| !matches!(u.quantity, Quantity::Law(_))).cloned().collect();
+    let Ok(found) = study.fit(stronger, &others, &fitted.memory, FEW_ITERATIONS) else { return false };
+    let inflation = (fitted.fit.data_cost / study.residual_count().max(1) as f64).max(1.0);
+    found.fit.cost - fitted.fit.cost < LIKE * inflation
+}
+
+/// Whether the contact is at its kinetic limit, or above it, for a good part of a period.
+fn slides(study: &Study<'_>, fitted: &Fitted, run: usize) -> bool {
+    let Ok(contact) = study.model.contact(&fitted.setting, run, &mut fitted.memory.clone()) else {
+        return false;
+    };
+    let limit = 0.99 * fitted.setting.law.get(Hook::MuKinetic).unwrap_or_default();
+    let at_limit =
+        contact.force.iter().zip(&contact.normal).filter(|(force, normal)| force.abs() >= limit * **normal);
+    at_limit.count() as f64 > SLIDING * contact.force.len() as f64
 }
 
 /// What longer series and finer grids change in the whitened prediction; `None` where their balance does not close.
@@ -308,9 +376,4 @@ fn truncation(study: &Study<'_>, fitted: &Fitted) -> Option<Vec<f64>> {
         }
     }
     Some(change)
-}
-
-/// Real residuals of a run: real and imaginary part of every line of every sensor.
-fn residuals(study: &Study<'_>, run: usize) -> usize {
-    study.model.runs[run].acceleration.iter().map(|lines| 2 * lines.len()).sum()
 }

@@ -1,5 +1,6 @@
 //! Motion and force of the contact, recovered from the accelerations without a law, with draws of their errors.
 
+use super::aperiodic;
 use frettrace_explain::{Case, ExplainError, RunRecord, Study};
 use frettrace_forward::accelerations::{AccelerationError, Balance, Quantity, Setting};
 use frettrace_fourier::Grid;
@@ -22,6 +23,8 @@ pub(super) struct Loops {
     runs: Vec<RunLoop>,
     /// One history a run, without the forces that the noise hides.
     pub(super) histories: Vec<ContactHistory>,
+    /// Runs that are not periodic.
+    pub(super) open: Vec<ContactHistory>,
 }
 
 /// One recovered period as lines.
@@ -64,7 +67,7 @@ impl Loops {
                 histories[place].draws.push(draw);
             }
         }
-        Ok(Self { runs, histories })
+        Ok(Self { runs, histories, open: aperiodic::histories(case) })
     }
 
     /// The histories with the lines that the noise hides filled by what a law fitted to the others answers.

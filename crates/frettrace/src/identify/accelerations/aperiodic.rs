@@ -1,0 +1,239 @@
+//! Runs that are not periodic: no waveform is predicted, the law is driven along the recovered motion instead.
+//!
+//! Residuals are recovered minus answered force in the bins of the record that the sensors know, over `σ_F·|1 + κR|`: an
+//! error of the recovered force moves the recovered slip by the receptance `R` times as much, and that moves the answer by
+//! the stiffness `κ = σ0 N`. What drift, taper and structure leave is common to the bins of a run: together they may tell its
+//! force no better than to [`ACCURACY`].
+
+use crate::StudyError;
+use frettrace_explain::{Case, ExplainError, Series, Study};
+use frettrace_forward::accelerations::{AccelerationModel, Quantity, RunLines, Setting};
+use frettrace_fourier::spectrum;
+use frettrace_friction::Step;
+use frettrace_friction::effects::{Circumstance, Hook, ModifiedLaw};
+use frettrace_identify::contact::{Closure, ContactHistory};
+use frettrace_identify::{NoSolution, Parameter, Transform};
+use num_complex::Complex64;
+
+/// Relative accuracy of the force recovered of one run.
+pub(super) const ACCURACY: f64 = 0.01;
+/// Share of a record at its start that only settles the state of the law.
+const SETTLING: f64 = 0.1;
+/// Deviations that a bin must exceed to be compared.
+const KNOWN: f64 = 3.0;
+/// Samples of a record that the first steps of the identification see.
+const HISTORY: usize = 1024;
+/// Share of a parameter over which its effect is differenced.
+const DIFFERENCE: f64 = 1e-4;
+
+/// All runs that are not periodic but were recovered.
+pub(super) struct Aperiodic {
+    /// Their indices.
+    pub(super) runs: Vec<usize>,
+    records: Vec<Record>,
+}
+
+/// One of them.
+struct Record {
+    series: Series,
+    circumstance: Circumstance,
+    /// Recovered force with the velocity's share, which a rigid contact takes as long as it holds.
+    trial: Vec<f64>,
+    /// Bins compared, with their deviations (N).
+    bins: Vec<(usize, f64)>,
+    measured: Vec<Complex64>,
+}
+
+impl Aperiodic {
+    /// Prepares the runs of a study whose contact has been recovered over the whole spectrum.
+    ///
+    /// # Errors
+    /// [`StudyError`] where the structure cannot be built.
+    pub(super) fn new(study: &Study<'_>, setting: &Setting) -> Result<Self, StudyError> {
+        let (mut runs, mut records) = (Vec::new(), Vec::new());
+        for (run, record) in study.case.records.iter().enumerate() {
+            let Some(series) = record.series.as_ref().filter(|_| !record.periodic) else { continue };
+            if let Some(prepared) = Record::new(study, setting, (&record.lines, series))? {
+                runs.push(run);
+                records.push(prepared);
+            }
+        }
+        Ok(Self { runs, records })
+    }
+
+    /// Real residuals of each run.
+    pub(super) fn sizes(&self) -> Vec<usize> {
+        self.records.iter().map(|record| 2 * record.bins.len()).collect()
+    }
+
+    /// Residuals of all runs under a setting.
+    pub(super) fn residual(&self, setting: &Setting, out: &mut [f64]) -> Result<(), NoSolution> {
+        let mut rest = out;
+        for record in &self.records {
+            let (own, more) = rest.split_at_mut(2 * record.bins.len());
+            record.residual((&setting.law, setting.holds_rigidly()), own);
+            rest = more;
+        }
+        Ok(())
+    }
+
+    /// Their derivatives by the parameters of the law, differenced.
+    pub(super) fn derivative(
+        &self,
+        (setting, plain): (&Setting, &[f64]),
+        (quantity, described): (Quantity, &Parameter),
+    ) -> Result<Vec<f64>, NoSolution> {
+        let mut moved = vec![0.0; plain.len()];
+        let (Quantity::Law(_), Some(value)) = (quantity, setting.get(quantity)) else { return Ok(moved) };
+        let size = match described.transform {
+            Transform::Log => value.abs(),
+            Transform::Linear { scale } => scale.abs(),
+        };
+        let mut distance = DIFFERENCE * size;
+        if value + distance > described.bounds.1 {
+            distance = -distance;
+        }
+        let mut beside = setting.clone();
+        beside.set(quantity, value + distance);
+        self.residual(&beside, &mut moved)?;
+        moved.iter_mut().zip(plain).for_each(|(moved, plain)| *moved = (*moved - plain) / distance);
+        Ok(moved)
+    }
+}
+
+impl Record {
+    /// `None` where no bin of the force is known.
+    fn new(
+        study: &Study<'_>,
+        setting: &Setting,
+        (lines, series): (&RunLines, &Series),
+    ) -> Result<Option<Self>, ExplainError> {
+        let measured = tapered(&series.force);
+        // Bins of what is kept lie farther apart than those of the record.
+        let deviation = |k: usize| {
+            let of_record = (k as f64 / (1.0 - SETTLING)).round() as usize;
+            series.deviation.get(of_record).copied().unwrap_or(f64::INFINITY)
+        };
+        // The taper ties neighbours together: every second bin is independent of the others.
+        let known: Vec<usize> =
+            (2..measured.len()).step_by(2).filter(|&k| measured[k].norm() > KNOWN * deviation(k)).collect();
+        let Some(&highest) = known.last() else { return Ok(None) };
+        let gain = receptance(study, setting, (series, highest))?;
+        let spacing = spacing(series);
+        let resistance = known.iter().map(|&k| -(gain[k].norm() * k as f64 * spacing).ln()).sum::<f64>();
+        let resistance = (resistance / known.len() as f64).exp();
+        let rigid = setting.holds_rigidly();
+        let stiffness = setting.law.get(Hook::Sigma0).unwrap_or_default() * lines.preload;
+        let slope = |k: usize| {
+            let held = Complex64::new(0.0, resistance * k as f64 * spacing);
+            (1.0 + gain[k] * if rigid { held } else { Complex64::from(stiffness) }).norm().max(1.0)
+        };
+        let told: f64 = known.iter().map(|&k| (measured[k].norm() / (deviation(k) * slope(k))).powi(2)).sum();
+        let inflation = (ACCURACY * told.sqrt()).max(1.0);
+        let bins = known.iter().map(|&k| (k, inflation * deviation(k) * slope(k))).collect();
+        let trial = series.force.iter().zip(&series.velocity).map(|(f, v)| f + resistance * v).collect();
+        let circumstance =
+            Circumstance { preload: lines.preload, progress: lines.progress, ..Circumstance::default() };
+        Ok(Some(Self { series: series.clone(), circumstance, trial, bins, measured }))
+    }
+
+    /// Force of a law along the recovered motion.
+    fn answer(&self, (law, rigid): (&ModifiedLaw<f64>, bool)) -> Vec<f64> {
+        let of = &self.series;
+        let mut state = law.rest_at(of.slip.first().copied().unwrap_or_default());
+        let mut force = vec![0.0; of.slip.len()];
+        for (k, force) in force.iter_mut().enumerate().skip(1) {
+            let step = Step {
+                slip: [of.slip[k - 1], of.slip[k]],
+                velocity: [of.velocity[k - 1], of.velocity[k]],
+                normal: [of.normal[k - 1], of.normal[k]],
+                dt: of.dt,
+            };
+            let (next, answered) = if rigid {
+                law.advance_rigid(state, &step, (self.trial[k], &self.circumstance))
+            } else {
+                law.advance(state, &step, &self.circumstance)
+            };
+            state = next;
+            *force = answered;
+        }
+        force
+    }
+
+    fn residual(&self, law: (&ModifiedLaw<f64>, bool), out: &mut [f64]) {
+        let answered = tapered(&self.answer(law));
+        for (pair, (k, deviation)) in out.chunks_mut(2).zip(&self.bins) {
+            let left = (self.measured[*k] - answered[*k]) / *deviation;
+            pair.copy_from_slice(&[left.re, left.im]);
+        }
+    }
+}
+
+/// The last samples of the recovered runs as histories with a beginning and an end, the first tenth of which only settles the
+/// law.
+pub(super) fn histories(case: &Case) -> Vec<ContactHistory> {
+    let runs = case.records.iter().enumerate().filter(|(_, record)| !record.periodic);
+    runs.filter_map(|(run, record)| record.series.as_ref().map(|series| history(run, series))).collect()
+}
+
+fn history(run: usize, of: &Series) -> ContactHistory {
+    let from = of.force.len().saturating_sub(HISTORY);
+    let peak = of.force.iter().fold(0.0_f64, |m, f| f.abs().max(m));
+    let noise: f64 = of.deviation.iter().filter(|d| d.is_finite()).map(|d| d * d).sum();
+    let samples = of.force.len() - from;
+    ContactHistory {
+        label: format!("run {}", run + 1),
+        time: (0..samples).map(|k| k as f64 * of.dt).collect(),
+        slip: of.slip[from..].to_vec(),
+        velocity: of.velocity[from..].to_vec(),
+        acceleration: None,
+        normal: of.normal[from..].to_vec(),
+        force: of.force[from..].to_vec(),
+        closure: Closure::Open,
+        mean_is_seen: false,
+        force_std: noise.sqrt().max(ACCURACY * peak).max(1e-12),
+        draws: Vec::new(),
+        first: (SETTLING * samples as f64) as usize,
+    }
+}
+
+/// Angular frequency from one bin to the next (rad/s).
+fn spacing(series: &Series) -> f64 {
+    let kept = series.force.len() - (SETTLING * series.force.len() as f64) as usize;
+    std::f64::consts::TAU / (kept.max(1) as f64 * series.dt)
+}
+
+/// Slip that a unit of contact force takes, in every bin up to the highest.
+fn receptance(
+    study: &Study<'_>,
+    setting: &Setting,
+    (series, highest): (&Series, usize),
+) -> Result<Vec<Complex64>, ExplainError> {
+    let sensors = study.case.rig.sensors.len();
+    let bins = highest + 1;
+    let lines = RunLines {
+        omega: spacing(series),
+        preload: 1.0,
+        progress: 0.5,
+        force: vec![Complex64::ZERO; bins],
+        acceleration: vec![vec![Complex64::ZERO; bins]; sensors],
+        deviation: vec![vec![1.0; bins]; sensors],
+        known_force: Vec::new(),
+        contact_order: highest,
+        samples: (4 * bins).next_power_of_two(),
+    };
+    let model = AccelerationModel::new(study.case.rig.clone(), vec![lines])?;
+    let found = model.balance(setting, &[0])?;
+    Ok(found.into_iter().next().map(|balance| balance.slip_gain).unwrap_or_default())
+}
+
+/// Bins of a record after its first tenth, under Hann's window of mean square one.
+fn tapered(x: &[f64]) -> Vec<Complex64> {
+    let kept = &x[(SETTLING * x.len() as f64) as usize..];
+    let n = kept.len() as f64;
+    let mean = kept.iter().sum::<f64>() / n.max(1.0);
+    let window =
+        |j: usize| (8.0_f64 / 3.0).sqrt() * 0.5 * (1.0 - (std::f64::consts::TAU * j as f64 / n).cos());
+    let tapered: Vec<f64> = kept.iter().enumerate().map(|(j, v)| (v - mean) * window(j)).collect();
+    spectrum(&tapered).iter().map(|z| z * (2.0 / n)).collect()
+}
