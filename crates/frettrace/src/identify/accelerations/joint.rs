@@ -5,7 +5,7 @@ use super::groups::{Condition, tested};
 use super::problem::{self, Problem};
 use super::support::{self, Support};
 use crate::StudyError;
-use frettrace_explain::{Fitted, Study, Unknown, positive, signed};
+use frettrace_explain::{ExplainError, Fitted, Study, Unknown, positive, signed};
 use frettrace_forward::accelerations::{AccelerationModel, Quantity, Rig, RunLines, Setting};
 use frettrace_friction::effects::Hook;
 use frettrace_identify::contact::Family;
@@ -35,14 +35,21 @@ const MORE_FRICTION: f64 = 1.3;
 /// Difference of χ² that a limit which touches the noise may gain: that of five standard deviations.
 const LIKE: f64 = 25.0;
 /// Linearisations with which a found minimum is made sharp.
-const POLISH: usize = 12;
+const POLISH: usize = 40;
 /// No accelerometer and no load cell keeps its calibration from run to run better than to this share.
 const CALIBRATION: f64 = 5e-4;
 /// No two models of the same beam and contact agree better than to this share of a parameter.
 const ACCURACY: f64 = 5e-4;
 
+/// Lines of the excitation with which a fit begins, and the accuracy to which they predict a line, as a share of it and, ten
+/// times less, of the loudest.
+const COARSE: usize = 64;
+const COARSE_ACCURACY: f64 = 3e-3;
 /// Times that the force of a second support is fitted anew beside law and structure.
 const RENEWALS: usize = 3;
+/// Power of what a series misses over that of what half as many lines again change of it: kinks make it fall by the square of
+/// the lines, so that they change it by a half.
+const CUT: f64 = 4.0;
 /// Error over that of the noise from which a law is not that of the contact.
 const MISFIT: f64 = 1.5;
 
@@ -74,6 +81,36 @@ impl Found {
 /// The best joint fit. Runs whose balance does not close at the start join once the others have improved the law; those
 /// that still do not close are taken out of the training runs.
 pub(super) fn fit(study: &mut Study<'_>, starts: &[Setting]) -> Result<Found, StudyError> {
+    let fine = study.model.runs.clone();
+    let is_coarse = coarsen(study)?;
+    let mut fitted = by_lines(study, starts)?;
+    if is_coarse {
+        refine(study, fine)?;
+        let few = closing(study, &fitted.setting, &study.training);
+        study.training = if few.is_empty() { study.training.clone() } else { few };
+        let (setting, unknowns) = (fitted.setting, fitted.unknowns);
+        fitted = study.fit(setting, &unknowns, &study.model.memory(), POLISH)?;
+    }
+    let aperiodic = Aperiodic::new(study, &fitted.setting)?;
+    let mut found = Found { fitted, support: None, aperiodic, normal_doubt: 0.0 };
+    found.fitted = polished(study, &found);
+    for _ in 0..RENEWALS {
+        found.support = Support::new(study, &found.fitted)?;
+        let Some(support) = &found.support else { break };
+        found.fitted = polished(study, &found);
+        let fitted = &found.fitted;
+        let whole = Problem::new(study, fitted, (&fitted.unknowns, problem::Beside::default()));
+        let mut residual = vec![0.0; whole.residual_count()];
+        if whole.residual(&fitted.fit.values, &mut whole.memory(), &mut residual).is_ok() {
+            support.renew(study, &residual);
+        }
+    }
+    found.normal_doubt = support::doubt(study, &found.fitted);
+    Ok(found)
+}
+
+/// The best fit to the lines of the accelerations.
+fn by_lines(study: &mut Study<'_>, starts: &[Setting]) -> Result<Fitted, StudyError> {
     let setting = &starts[0];
     let all = study.training.clone();
     study.training = closing(study, setting, &all);
@@ -96,22 +133,49 @@ pub(super) fn fit(study: &mut Study<'_>, starts: &[Setting]) -> Result<Found, St
             Err(_) => study.training = few,
         }
     }
-    let aperiodic = Aperiodic::new(study, &fitted.setting)?;
-    let mut found = Found { fitted, support: None, aperiodic, normal_doubt: 0.0 };
-    found.fitted = polished(study, &found);
-    for _ in 0..RENEWALS {
-        found.support = Support::new(study, &found.fitted)?;
-        let Some(support) = &found.support else { break };
-        found.fitted = polished(study, &found);
-        let fitted = &found.fitted;
-        let whole = Problem::new(study, fitted, (&fitted.unknowns, problem::Beside::default()));
-        let mut residual = vec![0.0; whole.residual_count()];
-        if whole.residual(&fitted.fit.values, &mut whole.memory(), &mut residual).is_ok() {
-            support.renew(study, &residual);
+    Ok(fitted)
+}
+
+/// Takes the lines above [`COARSE`] of the excitation away: a fit far from its minimum needs none of them, and the balance of
+/// a contact costs the third power of its lines. Whether there were any.
+fn coarsen(study: &mut Study<'_>) -> Result<bool, StudyError> {
+    let mut runs = study.model.runs.clone();
+    let mut is_coarse = false;
+    for (run, record) in runs.iter_mut().zip(&study.case.records) {
+        let most = COARSE * record.subharmonic;
+        if run.contact_order <= 2 * most {
+            continue;
         }
+        is_coarse = true;
+        run.force.truncate(most + 1);
+        run.known_force.truncate(most + 1);
+        for lines in &mut run.acceleration {
+            lines.truncate(most + 1);
+        }
+        for deviations in &mut run.deviation {
+            deviations.truncate(most + 1);
+        }
+        soften(run, COARSE_ACCURACY);
+        run.contact_order = most + most / 4 + 4;
+        run.samples = (8 * run.contact_order).next_power_of_two();
     }
-    found.normal_doubt = support::doubt(study, &found.fitted);
-    Ok(found)
+    if is_coarse {
+        let tolerance = study.model.tolerance;
+        study.model = AccelerationModel::new(study.model.rig.clone(), runs).map_err(ExplainError::from)?;
+        study.model.tolerance = tolerance;
+    }
+    Ok(is_coarse)
+}
+
+/// Gives all lines back, with what has been found of a second support's force.
+fn refine(study: &mut Study<'_>, mut fine: Vec<RunLines>) -> Result<(), StudyError> {
+    for (run, coarse) in fine.iter_mut().zip(&study.model.runs) {
+        run.known_force.iter_mut().zip(&coarse.known_force).for_each(|(to, from)| *to = *from);
+    }
+    let tolerance = study.model.tolerance;
+    study.model = AccelerationModel::new(study.model.rig.clone(), fine).map_err(ExplainError::from)?;
+    study.model.tolerance = tolerance;
+    Ok(())
 }
 
 /// The same minimum more sharply: along a weak direction a fit that ends where χ² falls by a part in a thousand of itself is
@@ -176,14 +240,7 @@ fn fit_training(study: &mut Study<'_>, starts: &[Setting]) -> Result<Fitted, Stu
 /// a bowl around the same minimum.
 fn smoothed(study: &mut Study<'_>, starts: &[Setting], unknowns: &[Unknown]) -> Vec<Setting> {
     let sharp: Vec<Vec<Vec<f64>>> = study.model.runs.iter().map(|run| run.deviation.clone()).collect();
-    for run in &mut study.model.runs {
-        for (lines, deviations) in run.acceleration.iter().zip(&mut run.deviation) {
-            let peak = lines.iter().skip(1).map(|a| a.norm()).fold(0.0, f64::max);
-            for (deviation, line) in deviations.iter_mut().zip(lines) {
-                *deviation = deviation.hypot(SOFT * line.norm()).hypot(0.1 * SOFT * peak);
-            }
-        }
-    }
+    study.model.runs.iter_mut().for_each(|run| soften(run, SOFT));
     let memory = study.model.memory();
     let fit = |start: &Setting| study.fit(start.clone(), unknowns, &memory, FEW_ITERATIONS).ok();
     let mut fitted: Vec<Fitted> = starts.par_iter().filter_map(fit).collect();
@@ -192,6 +249,16 @@ fn smoothed(study: &mut Study<'_>, starts: &[Setting], unknowns: &[Unknown]) -> 
         run.deviation = deviation;
     }
     fitted.into_iter().map(|f| f.setting).collect()
+}
+
+/// Lets lines count to a share of themselves and to a tenth of that share of the loudest.
+fn soften(run: &mut RunLines, share: f64) {
+    for (lines, deviations) in run.acceleration.iter().zip(&mut run.deviation) {
+        let peak = lines.iter().skip(1).map(|a| a.norm()).fold(0.0, f64::max);
+        for (deviation, line) in deviations.iter_mut().zip(lines) {
+            *deviation = deviation.hypot(share * line.norm()).hypot(0.1 * share * peak);
+        }
+    }
 }
 
 /// What the declared model leaves open.
@@ -307,7 +374,9 @@ pub(super) fn judged(
     widen_by_groups(&problem, &fit, &mut judged, &sizes);
     widen_by_held(&problem, &fit, &mut judged, &Held { parameters: &held, sizes: &sizes });
     widen_to_accuracy(&problem, &mut judged, ACCURACY.hypot(found.normal_doubt));
+    let mut cut = 0.0;
     if let Some(change) = truncation(study, fitted) {
+        cut = (CUT * change.iter().map(|d| d * d).sum::<f64>() / fitted.fit.data_cost).min(1.0);
         correct_by(&problem, &fit, &mut judged, &problem.change(change));
     }
     if found.aperiodic.runs.is_empty() && only_sticks(study, fitted) {
@@ -316,7 +385,7 @@ pub(super) fn judged(
              tell: runs at higher levels",
         );
     }
-    let ratio = study.error(fitted, &study.training).ratio();
+    let ratio = study.error(fitted, &study.training).ratio() * (1.0_f64 - cut).sqrt();
     if ratio > MISFIT {
         judged.withhold(&format!(
             "with this law the error is {ratio:.1} times that of the noise: its parameters describe no part of the contact"
