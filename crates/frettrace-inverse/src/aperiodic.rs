@@ -6,8 +6,9 @@
 //! told apart; a prior on the contact force does it, whose power at each bin is drawn from the record (tapered at first,
 //! then the estimate itself: empirical Bayes).
 //!
-//! A force that is continued periodically jumps at the ends of the record, and modes above the band answer the jump. What is
-//! known as lines ([`Known`]) is therefore taken off first, with its response at its own frequencies, where nothing jumps; the
+//! A force that is continued periodically jumps at the ends of the record, and modes above the band answer the jump. What the
+//! lines of the excitation hold ([`Known`]) is therefore taken off first, with its response at its own frequencies, where
+//! nothing jumps; only what is left is balanced bin by bin, and its prior is the smaller the nearer a run is to a period. The
 //! contact force that is left may be continued as it likes, for its straight line and parabola make no acceleration.
 //!
 //! A drift of contact force and slip that is slower than the record leaves accelerations below the noise. It is taken out

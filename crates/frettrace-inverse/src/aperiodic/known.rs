@@ -1,8 +1,7 @@
 //! What is known of a run as lines, and moves the structure at its own frequencies.
 
 use super::Left;
-use crate::contact::Setting;
-use crate::dynamics::{LineReceptances, Load};
+use crate::contact::ContactHarmonics;
 use crate::{RunData, RunLines};
 use frettrace_fourier::Harmonics;
 use num_complex::Complex64;
@@ -17,32 +16,19 @@ pub(crate) struct Known {
 }
 
 impl Known {
-    /// The steady response to the lines of the exciter alone.
-    pub(crate) fn excited(setting: &Setting<'_>, lines: &RunLines) -> Self {
-        let sensors = setting.dynamics.sensors();
-        let mut motions = vec![vec![Complex64::ZERO]; sensors + 2];
-        let mut line = LineReceptances::default();
-        for (h, force) in lines.force.coefficients.iter().enumerate().skip(1) {
-            setting.dynamics.fill(&setting.structure.model, lines.force.omega(h), &mut line);
-            let gains = (0..sensors)
-                .map(|s| line.acceleration(s, Load::Exciter))
-                .chain([line.slip(Load::Exciter), line.end(Load::Exciter)]);
-            motions.iter_mut().zip(gains).for_each(|(motion, gain)| motion.push(gain * force));
-        }
-        let mut series = motions.into_iter().map(|c| Harmonics::exact(lines.force.base, c));
-        let accelerations = series.by_ref().take(sensors).map(|a| sampled(&a, lines)).collect();
-        let mut next = || series.next().unwrap_or_else(|| Harmonics::exact(0.0, Vec::new()));
-        let (slip, end) = (next(), next());
-        let normal = sampled(&end, lines).iter().map(|w| -w * setting.normal_stiffness).collect();
+    /// All that the lines of a solved run hold.
+    pub(crate) fn solved(lines: &RunLines, contact: &ContactHarmonics) -> Self {
+        let sampled = |harmonics: &Harmonics| harmonics.sample(lines.sampling_rate, lines.samples);
+        let second = contact.second_support.as_ref().map(sampled);
         Self {
-            exciter: alternating(&lines.force, lines),
-            accelerations,
+            exciter: sampled(&alternating(&lines.force)),
+            accelerations: contact.acceleration_fit.iter().map(sampled).collect(),
             contact: [
-                vec![0.0; lines.samples],
-                sampled(&slip, lines),
-                sampled(&slip.derivative(), lines),
-                normal,
-                vec![0.0; lines.samples],
+                sampled(&contact.friction),
+                sampled(&contact.slip),
+                sampled(&contact.slip_velocity),
+                sampled(&contact.normal),
+                second.unwrap_or_else(|| vec![0.0; lines.samples]),
             ],
         }
     }
@@ -63,15 +49,11 @@ impl Known {
     }
 }
 
-fn sampled(harmonics: &Harmonics, lines: &RunLines) -> Vec<f64> {
-    harmonics.sample(lines.sampling_rate, lines.samples)
-}
-
-/// Samples without the mean, to which the structure's answer is no acceleration.
-fn alternating(harmonics: &Harmonics, lines: &RunLines) -> Vec<f64> {
+/// The same without the mean, to which the structure's answer is no acceleration.
+fn alternating(harmonics: &Harmonics) -> Harmonics {
     let mut coefficients = harmonics.coefficients.clone();
     if let Some(mean) = coefficients.first_mut() {
         *mean = Complex64::ZERO;
     }
-    sampled(&Harmonics::exact(harmonics.base, coefficients), lines)
+    Harmonics::exact(harmonics.base, coefficients)
 }

@@ -24,13 +24,17 @@ const FIRST_SENSOR: usize = 5;
 impl Whole<'_> {
     pub(super) fn outcome(&self, round: &Round) -> RunBalance {
         let sensors = self.setting.dynamics.sensors();
+        let line = spectrum(&self.known.contact[0]);
+        let scale = 2.0 / self.samples as f64;
         let solved: Vec<(Row, Vec<Complex64>, bool)> = round
             .balances
             .par_iter()
             .enumerate()
             .map(|(k, balance)| {
                 let left = balance.remainder(&self.unexplained(k, &round.amplitudes));
-                let led_by_prior = balance.covariance()[0].re > 0.5 * round.priors[0][k];
+                // A bin is known where its variance is less than half of its power, that of the lines included.
+                let power = round.priors[0][k] + (line[k + 1] * scale).norm_sqr();
+                let led_by_prior = balance.covariance()[0].re > 0.5 * power;
                 (self.row(k, balance, round), left, led_by_prior)
             })
             .collect();

@@ -14,8 +14,12 @@ pub(super) fn solve(
     run: &RunData<'_>,
     equations: &Equations<'_>,
 ) -> (RunBalance, Vec<Load>) {
-    let known = Known::excited(setting, equations.lines);
-    let balance = |loads: &[Load]| aperiodic::solve(setting, run, (equations.lines, &known), loads);
+    let lines = equations.lines;
+    let balance = |loads: &[Load]| {
+        let periodic = setting.balance(&Equations::new(lines, loads.to_vec()));
+        let known = Known::solved(lines, &periodic.contact);
+        aperiodic::solve(setting, run, (lines, &known), loads)
+    };
     let bound = balance(&equations.loads);
     let more = with_normal_reaction(rig, &equations.loads).filter(|_| asks(bound.residual.reduced()));
     if let Some(more) = more {
