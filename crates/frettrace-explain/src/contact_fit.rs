@@ -31,8 +31,10 @@ pub(crate) struct Recovered {
     progress: f64,
 }
 
-/// Highest line (of the excitation) kept at contact level.
+/// Highest line (of the excitation) of the force that is compared, …
 const LINES: usize = 24;
+/// … and of the motion: what a corner of stick and slip sends above the last line comes back on the lines just below it.
+const MOTION_LINES: usize = 5 * LINES;
 /// Relative accuracy of a recovered force line: what is left of the structure's errors.
 const RELATIVE_ACCURACY: f64 = 3e-4;
 
@@ -59,8 +61,9 @@ impl Recovered {
         answer: Answer,
     ) -> Result<Self, GridError> {
         let lines = &model.runs[run];
-        let order = lines.order().min(LINES * subharmonic);
-        let samples = (8 * order).next_power_of_two().clamp(128, 512);
+        let order = lines.order().min(MOTION_LINES * subharmonic);
+        let compared = order.min(LINES * subharmonic);
+        let samples = (4 * order).max(8 * compared).next_power_of_two().clamp(128, 512);
         let grid = Grid::new(order, samples)?;
         let mut scratch = grid.scratch();
         let mut sampled = |of: &dyn Fn(usize) -> Complex64| {
@@ -90,7 +93,7 @@ impl Recovered {
             trial.iter_mut().zip(&velocity).for_each(|(trial, v)| *trial += resistance * v);
         }
         let peak = balance.force.iter().map(|f| f.norm()).fold(0.0, f64::max);
-        let deviation = (0..=order)
+        let deviation = (0..=compared)
             .map(|h| {
                 let answer = match answer {
                     Answer::Yielding(stiffness) => 1.0 + balance.slip_gain[h] * stiffness,
@@ -107,7 +110,7 @@ impl Recovered {
             slip,
             velocity,
             normal,
-            force: balance.force[..=order].to_vec(),
+            force: balance.force[..=compared].to_vec(),
             deviation,
             trial,
             grid,
@@ -174,7 +177,7 @@ impl Recovered {
 
     fn residual(&self, law: &ModifiedLaw<f64>, modulation: usize, out: &mut [f64]) {
         let force = self.answer(law, modulation);
-        let mut lines = vec![Complex64::ZERO; self.force.len()];
+        let mut lines = vec![Complex64::ZERO; self.grid.order() + 1];
         self.grid.project(&force, &mut lines, &mut self.grid.scratch());
         for h in 1..self.force.len() {
             let left = (self.force[h] - lines[h]) / self.deviation[h];
