@@ -17,6 +17,8 @@ const INPUT_NOISE: f64 = 1.1;
 /// Steps of the fit that every form gets on the recovered contacts, and forms that get all of them.
 const GLANCE: usize = 3;
 const LOOK: usize = 8;
+/// Forms tried from other starts of the law where none comes near.
+const AGAIN: usize = 4;
 /// A model is complete where its error stays within this factor of the noise, over all training runs …
 pub(crate) const COMPLETE: f64 = 1.05;
 /// … and in every run.
@@ -342,8 +344,18 @@ impl Study<'_> {
             .filter_map(|(k, form)| tried(&quick, form, GLANCE).map(|c| (c.criterion, k)))
             .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut found: Vec<ContactCandidate> =
-            order.par_iter().take(LOOK).filter_map(|(_, k)| tried(recovered, &forms[*k], 30)).collect();
+        let mut looked: Vec<(ContactCandidate, usize)> = order
+            .par_iter()
+            .take(LOOK)
+            .filter_map(|(_, k)| Some((tried(recovered, &forms[*k], 30)?, *k)))
+            .collect();
+        looked.sort_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
+        let again = if looked.first().is_some_and(|(c, _)| c.reduced > POOR) && law_unknowns.len() > 2 {
+            self.contact_restarts(recovered, setting, law_unknowns, &looked, &forms)
+        } else {
+            Vec::new()
+        };
+        let mut found: Vec<ContactCandidate> = looked.into_iter().map(|(c, _)| c).chain(again).collect();
         found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
         let mut best: Vec<ContactCandidate> = Vec::new();
         for candidate in found {
@@ -359,6 +371,29 @@ impl Study<'_> {
             }
         }
         best
+    }
+
+    /// The best forms from other starts of the law: a law of many values that lacked an effect may have been bent too far to
+    /// come back with it.
+    fn contact_restarts(
+        &self,
+        recovered: &Contacts,
+        setting: &Setting,
+        law_unknowns: &[Unknown],
+        looked: &[(ContactCandidate, usize)],
+        forms: &[(usize, ContactForm)],
+    ) -> Vec<ContactCandidate> {
+        let others = starts(&setting.law, &self.scales);
+        looked
+            .par_iter()
+            .take(AGAIN)
+            .flat_map(|(_, k)| others.par_iter().map(|law| (*k, *law)))
+            .filter_map(|(k, law)| {
+                let (index, form) = &forms[k];
+                let setting = Setting { law, ..setting.clone() };
+                self.contact_candidate(recovered, &setting, law_unknowns, (*index, form), 30)
+            })
+            .collect()
     }
 
     /// The best contact effects with the whole model, best first.

@@ -81,7 +81,7 @@ impl Study<'_> {
         found
     }
 
-    /// Where an open balance is open: one more free value a line closes it best at one sensor, as a motion of the clamp, as a force
+    /// Where an open balance is open: one more free value a line closes it best at one sensor, as a motion of the base, as a force
     /// or a moment at the exciter, or as a force elsewhere on the beam. All have the same number of unknowns, so χ² alone decides.
     pub(crate) fn open_place(&self, setting: &Setting) -> EffectPlace {
         let sensors = self.case.rig.sensors.len();
@@ -136,7 +136,7 @@ impl Study<'_> {
         found.map_or(f64::INFINITY, |all| all.iter().map(|b| b.chi_squared().0).sum())
     }
 
-    /// A motion of the clamp of any size and phase on every line, where it closes the balance far better than the plain
+    /// A motion of the base of any size and phase on every line, where it closes the balance far better than the plain
     /// structure does: recovered beside the contact force, then an input with a factor.
     pub(crate) fn base_candidate(&self, setting: &Setting, plain: f64) -> Option<BalanceCandidate> {
         let effect = ALL.iter().position(|e| e.id() == "excitation.base-motion")?;

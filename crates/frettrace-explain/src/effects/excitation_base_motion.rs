@@ -1,6 +1,6 @@
 //! `excitation.base-motion`.
 //!
-//! *Adds*: a motion of the clamp in proportion to the excitation force, or of its own size on one line.
+//! *Adds*: a motion of the base, clamp and support together, in proportion to the excitation force, or of its own size on one line.
 //!
 //! *Shows as*: all sensors share a motion that no force on the beam gives.
 //!

@@ -16,7 +16,7 @@ pub enum Beside {
     Ports,
     /// The signal of one sensor.
     Sensor(usize),
-    /// A motion of the clamp.
+    /// A motion of the base.
     Base,
 }
 
@@ -37,7 +37,7 @@ pub struct Balance {
     pub left: Vec<Vec<Complex64>>,
     /// Acceleration per unit contact force, `[sensor][line]`.
     pub gain: Vec<Vec<Complex64>>,
-    /// What else is free, one a column and line: force of a port (N), acceleration (m/s²) or displacement of the clamp (m).
+    /// What else is free, one a column and line: force of a port (N), acceleration (m/s²) or displacement of the base (m).
     pub beside: Vec<Vec<Complex64>>,
     /// Standard deviation of its real and imaginary part.
     pub beside_deviation: Vec<Vec<f64>>,
@@ -93,10 +93,9 @@ impl AccelerationModel {
     ) -> Balance {
         let prepared: Prepared = self.prepare(structure, setting, run);
         let evaluation = self.evaluation(structure.layout(), setting, &prepared, run);
-        let rotation = self.rig.lever.is_some();
         let lines = &self.runs[run];
         let moving = if beside == Beside::Base {
-            structure.transmissibility(lines.omega, lines.order(), rotation)
+            structure.transmissibility(lines.omega, lines.order())
         } else {
             Vec::new()
         };

@@ -131,7 +131,7 @@ impl Differentiation<'_> {
         let unit = if quantity == Quantity::BaseReal { Complex64::ONE } else { Complex64::I };
         let rows = e.layout.rows();
         self.structure
-            .transmissibility(e.lines.omega, e.order(), e.rotation)
+            .transmissibility(e.lines.omega, e.order())
             .into_iter()
             .enumerate()
             .map(|(k, t)| t * unit * e.setting.clamp_unit(e.lines, (self.run, k / rows)))

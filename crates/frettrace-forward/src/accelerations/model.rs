@@ -91,7 +91,7 @@ impl AccelerationModel {
             let rows = structure.layout().rows();
             let factor = Complex64::new(re, im);
             structure
-                .transmissibility(lines.omega, lines.contact_order, self.rig.lever.is_some())
+                .transmissibility(lines.omega, lines.contact_order)
                 .into_iter()
                 .enumerate()
                 .map(|(k, t)| t * factor * setting.clamp_unit(lines, (run, k / rows)))

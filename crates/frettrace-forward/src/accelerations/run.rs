@@ -39,7 +39,7 @@ impl RunLines {
 }
 
 impl RunLines {
-    /// Motion of the clamp on a line for a unit value of its setting ([`super::Setting::base_line`]).
+    /// Motion of the base on a line for a unit value of its setting ([`super::Setting::base_line`]).
     pub(super) fn clamp_unit(&self, base_line: usize, line: usize) -> Complex64 {
         let force = self.force.get(line).copied().unwrap_or_default();
         if base_line == 0 {
@@ -85,7 +85,7 @@ pub(super) struct Evaluation<'a> {
     pub setting: &'a Setting,
     pub block: &'a Block,
     pub layout: Layout,
-    /// Motion of every row caused by the motion of the clamp, `rows` values a line; empty without it.
+    /// Motion of every row caused by the motion of the base, `rows` values a line; empty without it.
     pub base: &'a [Complex64],
     pub support_stiffness: f64,
     pub rotation: bool,

@@ -92,7 +92,7 @@ pub enum Quantity {
     Drift,
     /// Local compliance of the contact beside that of the modes (m/N).
     ContactCompliance,
-    /// Motion of the clamp per excitation force at the same line, real part (m/N).
+    /// Motion of the base per excitation force at the same line, real part (m/N).
     BaseReal,
     /// The same, imaginary part.
     BaseImaginary,
@@ -130,12 +130,12 @@ pub struct Setting {
     pub drift: f64,
     /// Local compliance of the contact beside that of the modes (m/N).
     pub contact_compliance: f64,
-    /// Motion of the clamp, real and imaginary part: per excitation force (m/N), or an acceleration (m/s²) on one line.
+    /// Motion of the base, real and imaginary part: per excitation force (m/N), or an acceleration (m/s²) on one line.
     pub base: Option<[f64; 2]>,
     /// The line on which the clamp has an acceleration of its own, in phase with the excitation; 0 where its motion follows
     /// the excitation on every line.
     pub base_line: usize,
-    /// Lines of the motion of the clamp in every run (m), known from elsewhere; `base` is then a factor on them.
+    /// Lines of the motion of the base in every run (m), known from elsewhere; `base` is then a factor on them.
     pub base_motion: Option<Arc<Vec<Vec<Complex64>>>>,
     /// Sensors.
     pub sensors: Vec<SensorSetting>,
@@ -148,7 +148,7 @@ impl Setting {
         self.rigid && !self.law.yields()
     }
 
-    /// Motion of the clamp on a line of a run for a unit value of `base`.
+    /// Motion of the base on a line of a run for a unit value of `base`.
     pub(super) fn clamp_unit(&self, lines: &RunLines, (run, line): (usize, usize)) -> Complex64 {
         match &self.base_motion {
             Some(known) => known.get(run).and_then(|l| l.get(line)).copied().unwrap_or_default(),

@@ -16,7 +16,7 @@ pub(super) struct Structure {
     mass: Option<f64>,
     drift: f64,
     contact_compliance: f64,
-    /// Participation of a uniform motion of the clamp in each mode, `∫ρA φ dx`.
+    /// Participation of a uniform motion of the base in each mode, `∫ρA φ dx`.
     rigid: Vec<f64>,
 }
 
@@ -213,16 +213,16 @@ impl Structure {
         Block { values, rows, columns }
     }
 
-    /// Motion of every row per unit motion of the clamp: `1 + ω² Σ φ_r ∫ρAφ dx /(…)` for displacements.
-    ///
-    /// Rows of slip by rotation have no rigid part.
-    pub fn transmissibility(&self, omega: f64, order: usize, rotation: bool) -> Vec<Complex64> {
+    /// Motion of every row per unit motion of the base, on which clamp and supports stand: `ω² Σ φ_r ∫ρAφ dx /(…)` against the
+    /// base for contact, end and ports, and one more for sensors, which see the motion in space.
+    pub fn transmissibility(&self, omega: f64, order: usize) -> Vec<Complex64> {
         let rows = self.layout.rows();
+        let sensors = Layout::sensor_row(0)..Layout::sensor_row(self.layout.sensors);
         let mut out = Vec::with_capacity((order + 1) * rows);
         for line in 0..=order {
             let at = line as f64 * omega;
             for row in 0..rows {
-                let rigid = if row == 0 && rotation { 0.0 } else { 1.0 };
+                let rigid = f64::from(u8::from(sensors.contains(&row)));
                 let functional = self.row_functional(row);
                 let elastic: Complex64 = (0..self.model.mode_count())
                     .map(|mode| {
