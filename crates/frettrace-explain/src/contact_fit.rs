@@ -198,6 +198,14 @@ pub(crate) struct Contacts {
     pub series: Vec<Arc<SeriesContact>>,
 }
 
+impl Contacts {
+    /// What is quick to march: the periodic runs, where there are any.
+    pub fn quick(&self) -> Self {
+        let series = if self.periodic.is_empty() { self.series.clone() } else { Vec::new() };
+        Self { periodic: self.periodic.clone(), series }
+    }
+}
+
 /// A law with some of its hooks free, against recovered contacts.
 pub(crate) struct ContactProblem<'a> {
     pub recovered: &'a Contacts,

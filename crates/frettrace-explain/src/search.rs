@@ -19,6 +19,8 @@ const GLANCE: usize = 3;
 const LOOK: usize = 8;
 /// Forms tried from other starts of the law where none comes near.
 const AGAIN: usize = 4;
+/// Steps from each of them, before the best get all.
+const BEGIN: usize = 8;
 /// A model is complete where its error stays within this factor of the noise, over all training runs …
 pub(crate) const COMPLETE: f64 = 1.05;
 /// … and in every run.
@@ -255,19 +257,22 @@ impl Study<'_> {
         law_unknowns: &[Unknown],
     ) -> Option<ContactCandidate> {
         let form = ContactForm::new(Vec::new());
-        let fitted = |setting: &Setting| {
-            self.contact_candidate(recovered, setting, law_unknowns, (usize::MAX, &form), 20)
+        let fitted = |recovered: &Contacts, setting: &Setting, most: usize| {
+            self.contact_candidate(recovered, setting, law_unknowns, (usize::MAX, &form), most)
         };
-        let first = fitted(setting)?;
+        let first = fitted(recovered, setting, 20)?;
         if first.reduced < POOR || law_unknowns.len() < 3 {
             return Some(first);
         }
-        // A law of many values has several minima: other starts, where the first end is poor.
-        let others: Vec<ContactCandidate> = starts(&setting.law, &self.scales)
+        // A law of many values has several minima: other starts, where the first end is poor, and the best of them goes on.
+        let quick = recovered.quick();
+        let begun: Vec<ContactCandidate> = starts(&setting.law, &self.scales)
             .into_par_iter()
-            .filter_map(|law| fitted(&Setting { law, ..setting.clone() }))
+            .filter_map(|law| fitted(&quick, &Setting { law, ..setting.clone() }, BEGIN))
             .collect();
-        others.into_iter().chain([first]).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
+        let best = begun.into_iter().min_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        let other = best.and_then(|c| fitted(recovered, &Setting { law: c.law, ..setting.clone() }, 20));
+        other.into_iter().chain([first]).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
     }
 
     fn contact_candidate(
@@ -334,10 +339,7 @@ impl Study<'_> {
             self.contact_candidate(recovered, setting, law_unknowns, (*index, form), most)
         };
         // A few steps for every form on what is quick to march, all steps on everything for the best.
-        let mut quick = recovered.clone();
-        if !quick.periodic.is_empty() {
-            quick.series.clear();
-        }
+        let quick = recovered.quick();
         let mut order: Vec<(f64, usize)> = forms
             .par_iter()
             .enumerate()
@@ -384,16 +386,20 @@ impl Study<'_> {
         forms: &[(usize, ContactForm)],
     ) -> Vec<ContactCandidate> {
         let others = starts(&setting.law, &self.scales);
-        looked
+        let candidate = |recovered: &Contacts, k: usize, law: ModifiedLaw<f64>, most: usize| {
+            let (index, form) = &forms[k];
+            let setting = Setting { law, ..setting.clone() };
+            self.contact_candidate(recovered, &setting, law_unknowns, (*index, form), most)
+        };
+        let quick = recovered.quick();
+        let mut begun: Vec<(f64, usize, ModifiedLaw<f64>)> = looked
             .par_iter()
             .take(AGAIN)
             .flat_map(|(_, k)| others.par_iter().map(|law| (*k, *law)))
-            .filter_map(|(k, law)| {
-                let (index, form) = &forms[k];
-                let setting = Setting { law, ..setting.clone() };
-                self.contact_candidate(recovered, &setting, law_unknowns, (*index, form), 30)
-            })
-            .collect()
+            .filter_map(|(k, law)| candidate(&quick, k, law, BEGIN).map(|c| (c.criterion, k, law)))
+            .collect();
+        begun.sort_by(|a, b| a.0.total_cmp(&b.0));
+        begun.par_iter().take(AGAIN).filter_map(|&(_, k, law)| candidate(recovered, k, law, 30)).collect()
     }
 
     /// The best contact effects with the whole model, best first.

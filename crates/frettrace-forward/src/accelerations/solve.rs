@@ -50,6 +50,9 @@ fn imbalance(e: &Evaluation<'_>, difference: &[f64]) -> f64 {
 /// Share of the tolerance that a rigid contact is held to: there the imbalance is of held forces and velocities.
 const RIGID: f64 = 0.1;
 
+/// Steps without a smaller imbalance after which a balance has no answer from here.
+const PATIENCE: usize = 8;
+
 /// Newton's method with a kept factor, renewed where it no longer contracts.
 pub(super) fn solve(e: &Evaluation<'_>, kept: &mut RunMemory, tolerance: f64) -> Result<(), f64> {
     let mut scratch = e.grid.scratch();
@@ -60,6 +63,7 @@ pub(super) fn solve(e: &Evaluation<'_>, kept: &mut RunMemory, tolerance: f64) ->
     let tolerance = if e.rigid() { RIGID * tolerance } else { tolerance };
     let mut best = f64::INFINITY;
     let mut fresh = false;
+    let mut stale = 0;
     for _ in 0..40 {
         let state = e.evaluate(&kept.unknowns, &mut scratch);
         let answer = e.answer(&state, &mut scratch);
@@ -73,6 +77,10 @@ pub(super) fn solve(e: &Evaluation<'_>, kept: &mut RunMemory, tolerance: f64) ->
             return Ok(());
         }
         let slow = left > 0.3 * best;
+        stale = if left < best { 0 } else { stale + 1 };
+        if stale > PATIENCE {
+            break;
+        }
         best = best.min(left);
         if kept.factor.is_none() || (slow && !fresh) {
             let factor = factorise(e, &state, &mut scratch);
