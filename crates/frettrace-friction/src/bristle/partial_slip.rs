@@ -25,11 +25,28 @@ pub(super) struct Parabola<T> {
 }
 
 impl<T: Scalar> Parabola<T> {
+    /// The parabola through the three values, the second one at the share `middle` of the travel. Slip and velocities of a guess
+    /// may contradict each other: where it would leave half the smallest to twice the largest, it is put into the middle, and
+    /// where that is not enough, a straight line remains.
     #[inline(always)]
     pub fn new(mu: [T; 3], middle: T) -> Self {
         let lean = mu[2] - mu[0];
-        let bend = (mu[1] - mu[0] - middle * lean) / (middle * (middle - 1.0));
-        Self { start: mu[0], lean, bend }
+        let through = |middle: T| {
+            let bend = (mu[1] - mu[0] - middle * lean) / (middle * (middle - 1.0));
+            Self { start: mu[0], lean, bend }
+        };
+        let [first, second, third] = mu.map(|m| m.re());
+        let range = 0.5 * first.min(second).min(third)..=2.0 * first.max(second).max(third);
+        let within = |parabola: &Self| {
+            let vertex = 0.5 * (1.0 - parabola.lean.re() / parabola.bend.re());
+            !(vertex > 0.0 && vertex < 1.0) || range.contains(&parabola.real_at(vertex))
+        };
+        let plain = through(middle);
+        if within(&plain) {
+            return plain;
+        }
+        let centred = through(T::from(0.5));
+        if within(&centred) { centred } else { Self { bend: T::from(0.0), ..plain } }
     }
 
     #[inline(always)]
@@ -217,6 +234,27 @@ mod tests {
             p += h * (k1 + 2.0 * (k2 + k3) + k4) / 6.0;
         }
         p
+    }
+
+    /// Values that no velocity can have at the stated share of the travel: straight through them the parabola would reach
+    /// 1.46, −0.31, −0.20 and below −0.5; the last one leaves its range from the middle too (−0.04).
+    #[test]
+    fn a_parabola_stays_between_its_values() {
+        for (mu, middle) in [
+            ([0.1, 0.55, 0.56], 0.1),
+            ([0.5, 0.1, 0.4], 0.15),
+            ([0.56, 0.31, 0.3], 0.1),
+            ([0.3, 0.001, 0.0005], 0.1),
+        ] {
+            let parabola = Parabola::new(mu, middle);
+            let [least, most] =
+                [mu.iter().fold(1.0, |m: f64, x| m.min(*x)), mu.iter().fold(0.0, |m: f64, x| m.max(*x))];
+            assert!((parabola.real_at(0.0) - mu[0]).abs() + (parabola.real_at(1.0) - mu[2]).abs() < 1e-15);
+            for k in 0..=100 {
+                let value = parabola.real_at(0.01 * f64::from(k));
+                assert!((0.5 * least..=2.0 * most).contains(&value), "{mu:?} {middle}: {value}");
+            }
+        }
     }
 
     /// Short and long strokes, narrow and wide zones, μ that rises, falls and bends by up to an eighth of itself in a
