@@ -25,6 +25,8 @@ pub struct Series {
     /// Standard deviation of real and imaginary part of the force in each bin of the record (N); infinite where the
     /// sensors know nothing of it.
     pub deviation: Vec<f64>,
+    /// Share of the time in which the normal force, an unknown of its own, stays at zero; 0 where the support holds.
+    pub open_share: f64,
 }
 
 impl Series {
@@ -38,6 +40,7 @@ impl Series {
             normal: part(&self.normal),
             force: part(&self.force),
             deviation: self.deviation.clone(),
+            open_share: self.open_share,
         }
     }
 }
@@ -161,6 +164,7 @@ mod tests {
             normal: vec![20.0; n],
             force: vec![0.0; n],
             deviation: vec![1e-4; n / 2],
+            open_share: 0.0,
         };
         let blank = SeriesContact {
             series: found.clone(),

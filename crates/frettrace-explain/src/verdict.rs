@@ -1,5 +1,6 @@
 //! The verdict: nothing missing, explained by named effects, or unexplained with a place.
 
+use crate::effects::ALL;
 use crate::search::Explained;
 use crate::{Case, ExplainError, RunError, Study, Unknown};
 use frettrace_forward::accelerations::{Quantity, Setting};
@@ -35,6 +36,9 @@ const BALANCE_WIDE: f64 = 100.0;
 /// … and closed below this in each of them.
 const BALANCE_CLOSED_RUN: f64 = 2.6;
 
+/// Growth of the worst error that a lift-off seen in runs without a period may bring to the others.
+const LIFTED: f64 = 1.02;
+
 /// Explains a case.
 ///
 /// # Errors
@@ -45,6 +49,7 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
         study,
         refined: false,
         other_formula: false,
+        lifts_off: false,
         coarse: None,
         recovered_law: None,
         before: Vec::new(),
@@ -60,6 +65,7 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
     search.before = search.errors_as_read(&baseline);
     let done = baseline.complete() && !search.series_open(&baseline);
     let model = if done { baseline.clone() } else { search.close(&baseline)? };
+    let model = search.with_lift_off(model);
     Ok(search.outcome(baseline, model))
 }
 
@@ -79,6 +85,8 @@ struct Search<'a> {
     refined: bool,
     /// Whether a name stands whose formula leaves more than the noise.
     other_formula: bool,
+    /// Whether the last effect is a lift-off that only runs without a period show.
+    lifts_off: bool,
     /// The study on its plain grid, while it is not settled that the finer one stays.
     coarse: Option<Study<'a>>,
     /// The declared law on the contacts recovered with the declared structure.
@@ -222,6 +230,39 @@ impl Search<'_> {
             }
         }
         Ok(current)
+    }
+
+    /// The model with lift-off, where runs without a period show it: no waveform is predicted for them, but their normal force
+    /// was recovered without a law and stays at zero. Nothing is fitted to it.
+    fn with_lift_off(&mut self, model: Explained) -> Explained {
+        let shares: Vec<f64> =
+            self.study.case.records.iter().filter_map(|r| r.series.as_ref()).map(|s| s.open_share).collect();
+        let open = shares.iter().filter(|share| **share > 0.0).count();
+        let Some(effect) = ALL.iter().position(|e| e.id() == "contact.lift-off") else { return model };
+        if open == 0 || model.effects.contains(&effect) || !self.study.case.allows(ALL[effect].id()) {
+            return model;
+        }
+        let forms = ALL[effect].structure_forms(self.study.case, &model.fitted.setting, &self.study.scales);
+        let Some(form) = forms.into_iter().next() else { return model };
+        let mut fitted = model.fitted.clone();
+        fitted.setting = form.setting;
+        fitted.memory = self.study.model.memory();
+        let mut effects = model.effects.clone();
+        effects.push(effect);
+        let mut found = self.study.judged(fitted, effects, model.added.clone());
+        if found.worst > LIFTED * model.worst {
+            return model;
+        }
+        found.sensors = model.sensors.iter().copied().chain([None]).collect();
+        found.book(&model);
+        self.rivals.clear();
+        self.lifts_off = true;
+        self.notes.push(format!(
+            "{open} of {} runs without a period show lift-off: their normal force, recovered without a law, stays at zero for up to {:.0} % of the time and never pulls",
+            shares.len(),
+            100.0 * shares.iter().copied().fold(0.0, f64::max)
+        ));
+        found
     }
 
     /// A longer fit; then, where that is near the noise but not within it, one on a finer grid.

@@ -45,7 +45,25 @@ fn series(run: &RunReconstruction) -> Option<Series> {
         normal: run.normal_force.values.clone(),
         force: run.friction_force.values.clone(),
         deviation,
+        open_share: open_share(run),
     })
+}
+
+/// Preload shares within which a normal force is zero: its mean is not seen, and a support that opens raises it a little.
+const ZERO: f64 = 0.05;
+/// Share of the time that a contact must be open for it to be seen.
+const OPEN: f64 = 0.02;
+
+/// Share of the time in which the support does not touch: the recovered normal force, freed from its spring, stays at zero and
+/// never pulls. A force that followed the spring would go through zero; one of a stiffer support would not stay there.
+fn open_share(run: &RunReconstruction) -> f64 {
+    let normal = &run.normal_force.values;
+    let preload = normal.iter().sum::<f64>() / normal.len().max(1) as f64;
+    if !run.normal_deviates || normal.iter().any(|n| *n < -2.0 * ZERO * preload) {
+        return 0.0;
+    }
+    let open = normal.iter().filter(|n| **n < ZERO * preload).count() as f64 / normal.len().max(1) as f64;
+    if open >= OPEN { open } else { 0.0 }
 }
 
 /// The case a measurement file declares.
