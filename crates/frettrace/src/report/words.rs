@@ -138,6 +138,9 @@ pub(super) fn is_contact_record(found: &Explanation) -> bool {
     found.baseline.error.force.is_some() && found.baseline.error.acceleration.is_none()
 }
 
+/// Error before over error after up to which runs show nothing of an effect.
+const UNMOVED: f64 = 1.001;
+
 /// How the error falls, on held-out runs where there are some.
 fn fall(found: &Explanation) -> String {
     let (error, runs) = match &found.held_out {
@@ -145,7 +148,14 @@ fn fall(found: &Explanation) -> String {
         None => (&found.error, "the fitted runs (too few to hold any out)"),
     };
     let floor = percent(error.noise_floor);
-    if !found.effects.is_empty() || found.verdict == Verdict::Explained {
+    let named = !found.effects.is_empty() || found.verdict == Verdict::Explained;
+    if named && error.before <= UNMOVED * error.after {
+        // Runs without a period, of which no waveform is predicted, may be the only ones that show an effect.
+        format!(
+            "the error on {runs} stays at {} (noise {floor}), for they show nothing of it",
+            percent(error.after)
+        )
+    } else if named {
         format!(
             "the error on {runs} falls from {} to {} (noise {floor})",
             percent(error.before),
