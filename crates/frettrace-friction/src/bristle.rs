@@ -23,13 +23,16 @@
 //! `Power` of order two. Reversals are split at the root of the Hermite velocity. Large `σ0 |Δu| / μ` is stable and
 //! tends to `z = μ(v)/σ0`.
 
+use std::ops::ControlFlow;
+
 use crate::decay::decay;
 use crate::lift::{lift, positive_part, sign};
-use crate::{FrictionLaw, Scalar, Step, Stroke};
+use crate::{FrictionLaw, Scalar, Step, Stretch, Stroke};
 
 mod flow;
 mod partial_slip;
 mod plain;
+mod stretch;
 #[cfg(test)]
 mod tests;
 
@@ -82,6 +85,27 @@ pub struct Bristle<T> {
     pub saturation: Saturation,
     /// The steady friction coefficient.
     pub steady: Steady,
+}
+
+impl Bristle<f64> {
+    /// The same law over another scalar.
+    #[must_use]
+    pub fn lift<T: Scalar>(&self) -> Bristle<T> {
+        Bristle {
+            sigma0: self.sigma0.into(),
+            sigma1: self.sigma1.into(),
+            v_d: self.v_d.into(),
+            sigma2: self.sigma2.into(),
+            mu_s: self.mu_s.into(),
+            mu_k: self.mu_k.into(),
+            v_s: self.v_s.into(),
+            delta: self.delta.into(),
+            exponent: self.exponent.into(),
+            breakaway: self.breakaway.into(),
+            saturation: self.saturation,
+            steady: self.steady,
+        }
+    }
 }
 
 /// A moment inside a step, at which a friction coefficient is wanted.
@@ -209,6 +233,16 @@ impl<T: Scalar> FrictionLaw<T> for Bristle<T> {
             Some((z, force)) => ([T::from(z)], T::from(force)),
             None => self.general_step(state, step),
         }
+    }
+
+    #[inline]
+    fn follow(
+        &self,
+        state: [T; 1],
+        stretch: &Stretch<'_, T>,
+        record: impl FnMut(usize, [T; 1], T) -> ControlFlow<()>,
+    ) -> [T; 1] {
+        stretch::follow(self, state, stretch, record)
     }
 }
 

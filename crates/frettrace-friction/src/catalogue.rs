@@ -373,15 +373,6 @@ impl FrictionModel {
         let names = self.law().parameters().iter().map(|parameter| parameter.name.to_owned());
         names.zip(self.values()).collect()
     }
-
-    /// The same law over another scalar.
-    ///
-    /// # Errors
-    /// None in practice: the number of values is the law's own.
-    pub fn over<T: Scalar>(&self) -> Result<FrictionModel<T>, Error> {
-        let values: Vec<T> = self.values().into_iter().map(T::from).collect();
-        self.law().with_values(&values)
-    }
 }
 
 fn array<T: Copy, const N: usize>(values: &[T]) -> Option<[T; N]> {

@@ -1,5 +1,7 @@
 //! What every law is: one step from sample to sample.
 
+use std::ops::ControlFlow;
+
 use num_dual::DualNum;
 
 use crate::lift::sign;
@@ -124,6 +126,50 @@ impl<T: Scalar> Step<T> {
     }
 }
 
+/// The motion of the contact in consecutive samples: one step fewer than there are samples.
+#[derive(Clone, Copy, Debug)]
+pub struct Stretch<'a, T> {
+    /// Slip `u` \[m\].
+    pub slip: &'a [T],
+    /// Slip velocity `v` (m/s).
+    pub velocity: &'a [T],
+    /// Normal force `N` \[N\], compression positive.
+    pub normal: &'a [T],
+    /// Time between samples \[s\].
+    pub dt: f64,
+}
+
+impl<'a, T: Scalar> Stretch<'a, T> {
+    /// Number of steps: what the shortest column allows.
+    #[must_use]
+    pub fn steps(&self) -> usize {
+        self.slip.len().min(self.velocity.len()).min(self.normal.len()).saturating_sub(1)
+    }
+
+    /// Step `index`, from sample `index` to the next; `index` below [`Self::steps`].
+    #[inline(always)]
+    #[must_use]
+    pub fn step(&self, index: usize) -> Step<T> {
+        Step {
+            slip: [self.slip[index], self.slip[index + 1]],
+            velocity: [self.velocity[index], self.velocity[index + 1]],
+            normal: [self.normal[index], self.normal[index + 1]],
+            dt: self.dt,
+        }
+    }
+
+    /// `count` of the steps from step `first` on.
+    pub(crate) fn part(&self, first: usize, count: usize) -> Self {
+        let samples = first..first + count + 1;
+        Self {
+            slip: &self.slip[samples.clone()],
+            velocity: &self.velocity[samples.clone()],
+            normal: &self.normal[samples],
+            dt: self.dt,
+        }
+    }
+}
+
 /// A scalar friction law with its parameters over the scalar `T`.
 pub trait FrictionLaw<T: Scalar>: Copy {
     /// Internal state (deflections of bristles, film thickness …), a small array.
@@ -135,4 +181,23 @@ pub trait FrictionLaw<T: Scalar>: Copy {
     /// From the old sample to the new one: the new state and the friction force `F_t` \[N\] at the new sample
     /// (positive: it resists positive slip).
     fn step(&self, state: Self::State, step: &Step<T>) -> (Self::State, T);
+
+    /// Step after step along a stretch: the state after it. `record` sees the index of each step, the state after it and
+    /// the force \[N\], and breaks off with the state it has seen. Laws whose steps share work do it here once.
+    #[inline]
+    fn follow(
+        &self,
+        mut state: Self::State,
+        stretch: &Stretch<'_, T>,
+        mut record: impl FnMut(usize, Self::State, T) -> ControlFlow<()>,
+    ) -> Self::State {
+        for index in 0..stretch.steps() {
+            let (new, force) = self.step(state, &stretch.step(index));
+            state = new;
+            if record(index, state, force).is_break() {
+                break;
+            }
+        }
+        state
+    }
 }

@@ -19,6 +19,7 @@ pub mod laws;
 mod lift;
 mod march;
 pub mod masing;
+mod model;
 pub mod parameter;
 
 pub use bristle::{Bristle, Instant, Saturation, Steady};
@@ -26,7 +27,8 @@ pub use catalogue::{FrictionModel, Law, Visitor};
 pub use claims::Claims;
 pub use error::Error;
 pub use gradient::Gradient;
-pub use law::{FrictionLaw, Scalar, Step, Stroke};
+pub use law::{FrictionLaw, Scalar, Step, Stretch, Stroke};
 pub use lift::{lift, positive_part, sign};
 pub use march::{Closed, Closing, Period, close_loop};
+pub use model::ModelState;
 pub use parameter::{Parameter, Range};

@@ -1,6 +1,8 @@
 //! A law over a periodic slip, repeated until the loop closes.
 
-use crate::{Error, FrictionLaw, Scalar, Step};
+use std::ops::ControlFlow;
+
+use crate::{Error, FrictionLaw, Scalar, Step, Stretch};
 
 /// One period of the motion of the contact in equally spaced samples; the sample after the last is the first.
 #[derive(Clone, Copy, Debug)]
@@ -82,22 +84,33 @@ impl<T: Scalar> Period<'_, T> {
     }
 
     #[inline]
-    fn sweep<L: FrictionLaw<T>>(
-        &self,
-        law: &L,
-        mut state: L::State,
-        force: &mut [T],
-    ) -> (L::State, L::State) {
+    fn sweep<L: FrictionLaw<T>>(&self, law: &L, state: L::State, force: &mut [T]) -> (L::State, L::State) {
         let mut peak = state;
-        for (index, slot) in force.iter_mut().enumerate() {
-            (state, *slot) = law.step(state, &self.step(index));
-            for (high, value) in peak.as_mut().iter_mut().zip(state.as_ref()) {
+        let mut note = |after: L::State| {
+            for (high, value) in peak.as_mut().iter_mut().zip(after.as_ref()) {
                 if value.re().abs() > high.re().abs() {
                     *high = *value;
                 }
             }
-        }
-        (state, peak)
+        };
+        let Self { slip, velocity, normal, dt } = *self;
+        let ([.., u], [.., v], [.., n]) = (slip, velocity, normal) else {
+            return (state, peak);
+        };
+        let (around, mut slots) = ([[*u, slip[0]], [*v, velocity[0]], [*n, normal[0]]], force.iter_mut());
+        // One closure for the step into the period and for those along it: the law's step is there once, inlined.
+        let mut record = |_, after, value| {
+            if let Some(slot) = slots.next() {
+                *slot = value;
+            }
+            note(after);
+            ControlFlow::Continue(())
+        };
+        let [slip_around, velocity_around, normal_around] = &around;
+        let into = Stretch { slip: slip_around, velocity: velocity_around, normal: normal_around, dt };
+        let start = law.follow(state, &into, &mut record);
+        let end = law.follow(start, &Stretch { slip, velocity, normal, dt }, &mut record);
+        (end, peak)
     }
 }
 

@@ -9,7 +9,7 @@ use crate::{Scalar, Stroke};
 /// Turning points remembered at once; a motion that nests deeper forgets its smallest loop.
 const DEPTH: usize = 6;
 /// Length of the state: slip, force, number of turning points, and their slips and forces.
-const LENGTH: usize = 3 + 2 * DEPTH;
+pub(crate) const LENGTH: usize = 3 + 2 * DEPTH;
 /// Relative slack at which a loop counts as closed: rounding of the slips.
 const CLOSED: f64 = 1.0 - 1e-12;
 

@@ -4,6 +4,7 @@
 //! For a change on one line, `δx_k = Re(ξ e^{ihτ_k})`, states and forces are `Re(ψ_k ξ e^{ihτ_k})` with complex `ψ_k`;
 //! the turning factor is taken out, so that a step costs one complex product a state and no table of `e^{ihτ}` is read.
 
+use super::contact::STATE_LIMIT;
 use super::element::{INPUTS, Partials};
 use super::period::{Memory, Resolvent};
 use num_complex::Complex64;
@@ -85,21 +86,28 @@ impl Chain<'_> {
             (1, 1) => self.sweep::<1, 1>(gains, columns),
             (2, 1) => self.sweep::<2, 1>(gains, columns),
             (3, 1) => self.sweep::<3, 1>(gains, columns),
-            (_, 1) => self.sweep::<4, 1>(gains, columns),
+            (4, 1) => self.sweep::<4, 1>(gains, columns),
+            (_, 1) => self.sweep::<STATE_LIMIT, 1>(gains, columns),
             (0, _) => self.sweep::<0, 2>(gains, columns),
             (1, _) => self.sweep::<1, 2>(gains, columns),
             (2, _) => self.sweep::<2, 2>(gains, columns),
             (3, _) => self.sweep::<3, 2>(gains, columns),
-            (_, _) => self.sweep::<4, 2>(gains, columns),
+            (_, _) => self.sweep::<STATE_LIMIT, 2>(gains, columns),
         }
+    }
+
+    /// Number of states, known where it is small; `M` is room for it.
+    #[inline(always)]
+    fn states<const M: usize>(&self) -> usize {
+        if M < STATE_LIMIT { M } else { self.shape[0] }
     }
 
     fn sweep<const M: usize, const O: usize>(&self, gains: &Gains, columns: &mut [Complex64]) {
         let mut state = [Lanes::default(); M];
         if M > 0 {
-            let first = if let Memory::Faded { since } = self.memory { since } else { 0 };
+            let first = self.memory.faded.unwrap_or(0);
             self.advance::<M, O, false>(first, gains, &mut state, &mut []);
-            if let Memory::Lasting(_) = self.memory {
+            if self.memory.faded.is_none() {
                 state = self.periodic(&state, gains);
             }
         }
@@ -108,9 +116,9 @@ impl Chain<'_> {
 
     /// `ψ_0 = (1 − Π)⁺ α`, in neutral directions what loading from rest gives.
     fn periodic<const M: usize>(&self, end: &[Lanes; M], gains: &Gains) -> [Lanes; M] {
-        let mut start = [Lanes::default(); M];
-        for (i, lane) in start.iter_mut().enumerate() {
-            for (j, other) in end.iter().enumerate() {
+        let (mut start, m) = ([Lanes::default(); M], self.states::<M>());
+        for (i, lane) in start.iter_mut().enumerate().take(m) {
+            for (j, other) in end.iter().enumerate().take(m) {
                 lane.add(self.inverse.resolvent[(i, j)], other);
                 let row = &self.start[j * self.start_width..];
                 lane.add(self.inverse.neutral[(i, j)] * row[0], &gains.slip);
@@ -127,19 +135,19 @@ impl Chain<'_> {
         state: &mut [Lanes; M],
         columns: &mut [Complex64],
     ) {
-        let samples = self.shape[2];
-        let width = M + INPUTS;
-        let blocks = self.partials.rows.chunks_exact((M + O) * width);
+        let (samples, m) = (self.shape[2], self.states::<M>());
+        let width = m + INPUTS;
+        let blocks = self.partials.rows.chunks_exact((m + O) * width);
         for (k, block) in blocks.enumerate().skip(first) {
             let mut new = [Lanes::default(); M];
-            for (value, row) in new.iter_mut().zip(block.chunks_exact(width)) {
-                *value = row_answer(row, state, gains);
+            for (value, row) in new.iter_mut().zip(block.chunks_exact(width)).take(m) {
+                *value = row_answer(row, &state[..m], gains);
             }
             if WRITE {
                 let at = if k + 1 == samples { 0 } else { k + 1 };
-                let outputs = block.chunks_exact(width).skip(M);
+                let outputs = block.chunks_exact(width).skip(m);
                 for (row, out) in outputs.zip(columns.chunks_exact_mut(LANES * samples)) {
-                    let value = row_answer(row, state, gains);
+                    let value = row_answer(row, &state[..m], gains);
                     for lane in 0..LANES {
                         out[lane * samples + at] = value.get(lane);
                     }
@@ -154,7 +162,7 @@ impl Chain<'_> {
         let [m, o, samples] = self.shape;
         let width = m + INPUTS;
         let mut state = vec![0.0; m];
-        if let Memory::Lasting(_) = self.memory {
+        if self.memory.faded.is_none() {
             self.pass(b, &mut state, None);
             let end = state.clone();
             for (i, z) in state.iter_mut().enumerate() {
@@ -190,12 +198,12 @@ impl Chain<'_> {
 }
 
 #[inline(always)]
-fn row_answer<const M: usize>(row: &[f64], state: &[Lanes; M], gains: &Gains) -> Lanes {
+fn row_answer(row: &[f64], state: &[Lanes], gains: &Gains) -> Lanes {
     let mut old = Lanes::default();
     for (factor, z) in row.iter().zip(state) {
         old.add(*factor, z);
     }
-    let input = &row[M..M + INPUTS];
+    let input = &row[state.len()..state.len() + INPUTS];
     old.add(input[0], &gains.slip);
     old.add(input[2], &gains.velocity);
     old.add(input[4], &gains.normal);

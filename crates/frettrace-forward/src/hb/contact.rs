@@ -1,9 +1,10 @@
 //! What sits between channels and forces: contact laws written over any scalar, and where they are connected.
 
-use frettrace_friction::{FrictionLaw, Scalar, Step};
+use frettrace_friction::{FrictionLaw, Scalar, Step, Stretch};
+use std::ops::ControlFlow;
 
 /// Most internal states a law may have.
-pub const STATE_LIMIT: usize = 4;
+pub const STATE_LIMIT: usize = 15;
 
 /// A law from the motion of a contact to one or two forces, one step at a time.
 ///
@@ -24,6 +25,24 @@ pub trait ContactLaw<T: Scalar>: Copy {
     /// From the old sample to the new one: the new state and the forces at the new sample. With one force the second
     /// is ignored.
     fn step(&self, state: Self::State, step: &Step<T>) -> (Self::State, [T; 2]);
+
+    /// As [`FrictionLaw::follow`], with both forces.
+    #[inline]
+    fn follow(
+        &self,
+        mut state: Self::State,
+        stretch: &Stretch<'_, T>,
+        mut record: impl FnMut(usize, Self::State, [T; 2]) -> ControlFlow<()>,
+    ) -> Self::State {
+        for index in 0..stretch.steps() {
+            let (new, forces) = self.step(state, &stretch.step(index));
+            state = new;
+            if record(index, state, forces).is_break() {
+                break;
+            }
+        }
+        state
+    }
 }
 
 /// A friction law as a contact law with one force.
@@ -42,6 +61,16 @@ impl<T: Scalar, L: FrictionLaw<T>> ContactLaw<T> for Friction<L> {
     fn step(&self, state: Self::State, step: &Step<T>) -> (Self::State, [T; 2]) {
         let (state, force) = self.0.step(state, step);
         (state, [force, T::zero()])
+    }
+
+    #[inline]
+    fn follow(
+        &self,
+        state: Self::State,
+        stretch: &Stretch<'_, T>,
+        mut record: impl FnMut(usize, Self::State, [T; 2]) -> ControlFlow<()>,
+    ) -> Self::State {
+        self.0.follow(state, stretch, |index, after, force| record(index, after, [force, T::zero()]))
     }
 }
 

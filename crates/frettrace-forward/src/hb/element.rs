@@ -1,12 +1,16 @@
 //! A contact law over one period: values, and partial derivatives step by step from dual numbers.
 
-use super::contact::{ContactLaw, Family, STATE_LIMIT};
-use frettrace_friction::{Gradient, Scalar, Step};
+use super::contact::{ContactLaw, Family};
+use frettrace_friction::{Gradient, Scalar, Step, Stretch};
+use std::cell::Cell;
+use std::ops::ControlFlow;
 
 /// Inputs of a step besides the state: slip, velocity and normal force, each at the old and the new sample.
 pub(super) const INPUTS: usize = 6;
 /// Width of the dual numbers that carry parameters; more parameters are carried in several passes.
 const CHUNK: usize = 8;
+/// Width of the dual numbers for laws of four states; of more states as many passes as it takes.
+const WIDE: usize = 4 + INPUTS;
 
 /// Motion of a contact, sample by sample over one period.
 #[derive(Clone, Debug, Default)]
@@ -51,6 +55,18 @@ impl Motion {
 pub struct Orbit {
     pub(super) states: Vec<f64>,
     pub(super) forces: Vec<f64>,
+}
+
+impl Orbit {
+    /// Notes a state after step `k` and the forces at sample `at`; whether the orbit went through that state before.
+    #[inline(always)]
+    fn store(&mut self, [k, at]: [usize; 2], state: &[f64], forces: &[f64]) -> bool {
+        let slot = &mut self.states[k * state.len()..(k + 1) * state.len()];
+        let met = meets(slot, state);
+        slot.copy_from_slice(state);
+        self.forces[at * forces.len()..(at + 1) * forces.len()].copy_from_slice(forces);
+        met
+    }
 }
 
 /// Partial derivatives step by step: `M + O` rows (new states, forces) of `M + 6` columns (old states, then slip,
@@ -135,25 +151,36 @@ impl<F: Family> Element for F {
         let (m, o) = (state.as_ref().len(), Element::forces(self));
         state.as_mut().copy_from_slice(&orbit.states[..m]);
         let samples = motion.slip.len();
-        for k in 1..=samples {
-            let (new, force) = law.step(state, &motion.step(k));
-            state = new;
-            let slot = &mut orbit.states[k * m..(k + 1) * m];
-            let met = again && meets(slot, state.as_ref());
-            slot.copy_from_slice(state.as_ref());
+        let Motion { slip, velocity, normal, dt } = motion;
+        let (mut k, met) = (0, Cell::new(false));
+        // One closure for the steps along the period and the one around its end: the law's step is there once, inlined.
+        let mut record = |_, new: <Law<F, f64> as ContactLaw<f64>>::State, force: [f64; 2]| {
+            k += 1;
             let at = if k == samples { 0 } else { k };
-            orbit.forces[at * o..(at + 1) * o].copy_from_slice(&force[..o]);
-            if met {
-                break;
-            }
+            met.set(orbit.store([k, at], new.as_ref(), &force[..o]) && again);
+            if met.get() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        state = law.follow(state, &Stretch { slip, velocity, normal, dt: *dt }, &mut record);
+        if met.get() {
+            return;
         }
+        let last = samples - 1;
+        let around = [slip, velocity, normal].map(|x| [x[last], x[0]]);
+        let [slip, velocity, normal] = &around;
+        let end = Stretch { slip, velocity, normal, dt: *dt };
+        law.follow(state, &end, &mut record);
     }
 
     fn linearise(&self, motion: &Motion, orbit: &mut Orbit, partials: &mut Partials) {
-        match Element::states(self) {
-            0 | 1 => linearise::<7, F>(self, motion, orbit, partials),
-            2 => linearise::<8, F>(self, motion, orbit, partials),
-            _ => linearise::<{ STATE_LIMIT + INPUTS }, F>(self, motion, orbit, partials),
+        let states = Element::states(self);
+        match states {
+            0 | 1 => linearise::<7, F>(self, motion, (orbit, partials), 0),
+            2 => linearise::<8, F>(self, motion, (orbit, partials), 0),
+            _ => {
+                for first in (0..states + INPUTS).step_by(WIDE) {
+                    linearise::<WIDE, F>(self, motion, (orbit, partials), first);
+                }
+            }
         }
     }
 
@@ -196,12 +223,15 @@ fn meets(old: &[f64], new: &[f64]) -> bool {
     old.iter().zip(new).all(|(a, b)| (a - b).abs() <= 4.0 * f64::EPSILON * b.abs())
 }
 
+/// The columns of the partials from `first` on, `W` of them.
+#[inline(always)]
 fn linearise<const W: usize, F: Family>(
     family: &F,
     motion: &Motion,
-    orbit: &mut Orbit,
-    partials: &mut Partials,
+    (orbit, partials): (&mut Orbit, &mut Partials),
+    first: usize,
 ) {
+    let seed = |value: f64, index: usize| seed::<W>(value, index.checked_sub(first));
     let parameters: Vec<Gradient<W>> =
         Family::parameters(family).iter().map(|&x| Gradient::constant(x)).collect();
     let law = family.law(&parameters);
@@ -212,11 +242,10 @@ fn linearise<const W: usize, F: Family>(
     for k in 1..=samples {
         let (before, after) = orbit.states.split_at_mut(k * m);
         for (index, (z, &value)) in state.as_mut().iter_mut().zip(&before[(k - 1) * m..]).enumerate() {
-            *z = seed(value, Some(index));
+            *z = seed(value, index);
         }
         let values: Step<f64> = motion.step(k);
-        let pair =
-            |x: [f64; 2], at: usize| [seed::<W>(x[0], Some(m + at)), seed::<W>(x[1], Some(m + at + 1))];
+        let pair = |x: [f64; 2], at: usize| [seed(x[0], m + at), seed(x[1], m + at + 1)];
         let step = Step {
             slip: pair(values.slip, 0),
             velocity: pair(values.velocity, 2),
@@ -233,7 +262,9 @@ fn linearise<const W: usize, F: Family>(
         }
         let block = &mut partials.rows[(k - 1) * (m + o) * width..k * (m + o) * width];
         for (row, z) in block.chunks_exact_mut(width).zip(new.as_ref().iter().chain(&force[..o])) {
-            row.copy_from_slice(&z.slopes[..width]);
+            let row = &mut row[first..];
+            let count = row.len().min(W);
+            row[..count].copy_from_slice(&z.slopes[..count]);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::contact::STATE_LIMIT;
 use super::element::{Element, INPUTS, Motion, Orbit, Partials};
-use nalgebra::SMatrix;
+use nalgebra::{DMatrix, SMatrix};
 
 pub(super) type Square = SMatrix<f64, STATE_LIMIT, STATE_LIMIT>;
 
@@ -96,14 +96,12 @@ fn correct(orbit: &mut Orbit, m: usize, memory: Memory) {
 
 /// What is left of a state after a period.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Memory {
-    /// Forgotten between this step and the end of the period.
-    Faded {
-        /// Step from which on the state decides the end of the period.
-        since: usize,
-    },
-    /// Derivative of the period map `Π`, padded with zeros.
-    Lasting(Square),
+pub(super) struct Memory {
+    /// Step from which on the state decides the end of the period: what was before is forgotten. `None`: it lasts.
+    pub faded: Option<usize>,
+    /// Derivative of the period map `Π`, padded with zeros; of memory that lasts.
+    product: Square,
+    states: usize,
 }
 
 /// `(1 − Π)⁺` and the projector on the neutral directions.
@@ -114,9 +112,13 @@ pub(super) struct Resolvent {
 }
 
 impl Memory {
+    fn faded(since: usize) -> Self {
+        Self { faded: Some(since), product: Square::zeros(), states: 0 }
+    }
+
     pub fn of(partials: &Partials, [m, o, samples]: [usize; 3]) -> Self {
         if m == 0 {
-            return Self::Faded { since: samples };
+            return Self::faded(samples);
         }
         let (width, block) = (m + INPUTS, (m + o) * (m + INPUTS));
         if m == 1 {
@@ -126,13 +128,20 @@ impl Memory {
         (0..m).for_each(|j| product[(j, j)] = 1.0);
         for k in (0..samples).rev() {
             let rows = &partials.rows[k * block..];
-            let step = Square::from_fn(|i, j| if i < m && j < m { rows[i * width + j] } else { 0.0 });
-            product *= step;
-            if product.amax() < FADED {
-                return Self::Faded { since: k };
+            let old = product;
+            let mut largest = 0.0_f64;
+            for i in 0..m {
+                for j in 0..m {
+                    let value = (0..m).map(|l| old[(i, l)] * rows[l * width + j]).sum::<f64>();
+                    product[(i, j)] = value;
+                    largest = largest.max(value.abs());
+                }
+            }
+            if largest < FADED {
+                return Self::faded(k);
             }
         }
-        Self::Lasting(product)
+        Self { faded: None, product, states: m }
     }
 
     fn of_one(partials: &Partials, block: usize, samples: usize) -> Self {
@@ -140,30 +149,43 @@ impl Memory {
         for k in (0..samples).rev() {
             product *= partials.rows[k * block];
             if f64::abs(product) < FADED {
-                return Self::Faded { since: k };
+                return Self::faded(k);
             }
         }
         let mut square = Square::zeros();
         square[(0, 0)] = product;
-        Self::Lasting(square)
+        Self { faded: None, product: square, states: 1 }
     }
 
     /// `(1 − Π)⁺` by singular values.
     pub fn inverse(self) -> Resolvent {
-        let Self::Lasting(product) = self else {
-            return Resolvent { resolvent: Square::identity(), neutral: Square::zeros() };
-        };
-        let svd = (Square::identity() - product).svd(true, true);
-        let (Some(u), Some(v)) = (svd.u, svd.v_t) else {
-            return Resolvent { resolvent: Square::identity(), neutral: Square::zeros() };
-        };
         let mut result = Resolvent { resolvent: Square::zeros(), neutral: Square::zeros() };
+        let Self { faded, product, states } = self;
+        if faded.is_some() {
+            result.resolvent.fill_diagonal(1.0);
+            return result;
+        }
+        if states == 1 {
+            let value = 1.0 - product[(0, 0)];
+            let neutral = value.abs() <= NEUTRAL;
+            result.resolvent[(0, 0)] = if neutral { 0.0 } else { value.recip() };
+            result.neutral[(0, 0)] = f64::from(neutral);
+            return result;
+        }
+        let identity = DMatrix::identity(states, states);
+        let svd = (identity - product.view((0, 0), (states, states))).svd(true, true);
+        let (Some(u), Some(v)) = (svd.u, svd.v_t) else {
+            result.resolvent.fill_diagonal(1.0);
+            return result;
+        };
+        let mut resolvent = result.resolvent.view_mut((0, 0), (states, states));
+        let mut neutral = result.neutral.view_mut((0, 0), (states, states));
         for (i, &value) in svd.singular_values.iter().enumerate() {
             let right = v.row(i).transpose();
             if value > NEUTRAL {
-                result.resolvent += right * u.column(i).transpose() / value;
+                resolvent += &right * u.column(i).transpose() / value;
             } else {
-                result.neutral += right * right.transpose();
+                neutral += &right * right.transpose();
             }
         }
         result

@@ -61,7 +61,7 @@ impl Relaxation {
 }
 
 /// Where the middle may lie between start and end: motion whose velocities contradict its slip is kept harmless.
-const MIDDLE: (f64, f64) = (0.1, 0.9);
+pub(super) const MIDDLE: (f64, f64) = (0.1, 0.9);
 impl<T: Scalar> Friction<T> {
     /// The stroke seen from a bristle of stiffness `sigma0`; `mu` at its start, middle and end.
     #[inline(always)]
@@ -239,23 +239,34 @@ fn power_flow<T: Scalar>(r: T, x: T, exponent: T) -> T {
 
 /// What an exponential memory of length `X` makes of the powers 1, s, s²: `∫₀¹ X exp(−X(1 − s)) sᵏ ds`.
 #[derive(Clone, Copy)]
-struct Memory {
+pub(super) struct Memory {
     /// `1/X`.
     inverse: f64,
-    moments: [f64; 3],
+    pub moments: [f64; 3],
 }
+
+/// From here on the recursion of [`Memory`] runs upwards.
+pub(super) const LONG: f64 = 0.2;
 
 impl Memory {
     /// By recursion, upwards where that is stable, else from the series of the third moment downwards.
     #[inline(always)]
     fn new(length: f64) -> Self {
+        if length > LONG { Self::long(length) } else { Self::short(length) }
+    }
+
+    /// Not small: the difference from 1 loses nothing that matters.
+    #[inline(always)]
+    pub fn long(length: f64) -> Self {
+        let inverse = length.recip();
+        let zeroth = 1.0 - decay(length);
+        let first = 1.0 - zeroth * inverse;
+        Self { inverse, moments: [zeroth, first, 1.0 - 2.0 * first * inverse] }
+    }
+
+    #[inline(always)]
+    pub fn short(length: f64) -> Self {
         let (x, inverse) = (length, length.recip());
-        if x > 0.2 {
-            // Not small: the difference from 1 loses nothing that matters.
-            let zeroth = 1.0 - decay(x);
-            let first = 1.0 - zeroth * inverse;
-            return Self { inverse, moments: [zeroth, first, 1.0 - 2.0 * first * inverse] };
-        }
         // 2 Σ (−x)ᵏ/(k + 3)!, in pairs, so that no term waits for the last one.
         let x2 = x * x;
         let low = (1.0 / 3.0 - x * (1.0 / 12.0)) + x2 * (1.0 / 60.0 - x * (1.0 / 360.0));

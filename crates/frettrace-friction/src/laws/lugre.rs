@@ -45,8 +45,10 @@
 //! assert!((law.step(law.rest(), &step).1 - steady).abs() < 1e-14);
 //! ```
 
+use std::ops::ControlFlow;
+
 use crate::parameter::{DELTA, MU_K, MU_S, Parameter, SIGMA0, SIGMA1, SIGMA2, V_D, V_S};
-use crate::{Bristle, FrictionLaw, Saturation, Scalar, Steady, Step};
+use crate::{Bristle, FrictionLaw, Saturation, Scalar, Steady, Step, Stretch};
 
 /// Parameters of the LuGre law.
 #[derive(Clone, Copy, Debug)]
@@ -108,5 +110,15 @@ impl<T: Scalar> FrictionLaw<T> for Lugre<T> {
     #[inline]
     fn step(&self, state: [T; 1], step: &Step<T>) -> ([T; 1], T) {
         self.bristle().step(state, step)
+    }
+
+    #[inline]
+    fn follow(
+        &self,
+        state: [T; 1],
+        stretch: &Stretch<'_, T>,
+        record: impl FnMut(usize, [T; 1], T) -> ControlFlow<()>,
+    ) -> [T; 1] {
+        self.bristle().follow(state, stretch, record)
     }
 }

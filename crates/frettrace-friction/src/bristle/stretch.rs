@@ -1,0 +1,329 @@
+//! LuGre along a stretch of samples: what depends on the motion alone is computed side by side, block by block.
+//!
+//! With linear saturation a step is affine in the deflection, `z' = a z + b`, and so is the force, `F = c z' + d`; `a … d` depend
+//! on slip, velocity and normal force of the step only. They are found for a block of steps in loops without branch, which
+//! the compiler makes into vector instructions; one product and one sum a sample are left to be done in order. The
+//! formulas are those of [`super::plain`]; steps with a reversal, or whose velocities contradict the path, are left to it.
+
+use std::ops::ControlFlow;
+
+use super::flow::{LONG, MIDDLE, Memory};
+use super::{Bristle, Saturation, Steady};
+use crate::decay::{decay, power};
+use crate::{FrictionLaw, Scalar, Stretch};
+
+/// Steps of a block: its rows stay in the nearest cache.
+const BLOCK: usize = 64;
+
+type Row = [f64; BLOCK];
+
+/// Parameters in plain numbers, with what is needed of them.
+struct Plain {
+    sigma0: f64,
+    sigma1: f64,
+    sigma2: f64,
+    mu_k: f64,
+    excess: f64,
+    slowness: f64,
+    fading: f64,
+    delta: f64,
+}
+
+/// One block of steps.
+struct Block {
+    /// μ and 1/μ at the samples, the last one apart from the steps.
+    mu: [f64; BLOCK + 1],
+    inverses: [f64; BLOCK + 1],
+    /// Slip velocity and μ at half time.
+    velocity: Row,
+    mu_middle: Row,
+    /// Length X of the step, 1/X, and X up to half time.
+    whole: Row,
+    inverse: Row,
+    half: Row,
+    /// What an exponential memory makes of the powers 1, s, s².
+    moments: [Row; 3],
+    /// Presliding damping at the end.
+    damping: Row,
+    /// `z' = keep z + target`; `keep` is no number where the step is not affine.
+    keep: Row,
+    target: Row,
+    /// `F = slope z' + offset`.
+    slope: Row,
+    offset: Row,
+}
+
+/// As [`FrictionLaw::follow`].
+#[inline]
+pub(super) fn follow<T: Scalar>(
+    law: &Bristle<T>,
+    state: [T; 1],
+    stretch: &Stretch<'_, T>,
+    mut record: impl FnMut(usize, [T; 1], T) -> ControlFlow<()>,
+) -> [T; 1] {
+    let mut state = state;
+    let steps = stretch.steps();
+    let Some(plain) = Plain::of(law) else {
+        for index in 0..steps {
+            let (new, force) = law.step(state, &stretch.step(index));
+            state = new;
+            if record(index, state, force).is_break() {
+                break;
+            }
+        }
+        return state;
+    };
+    let mut block = Block::new();
+    for first in (0..steps).step_by(BLOCK) {
+        let part = stretch.part(first, BLOCK.min(steps - first));
+        block.fill(&plain, &part);
+        let motion = block.keep.iter().zip(&block.target);
+        let answer = block.slope.iter().zip(&block.offset);
+        for (index, ((keep, target), (slope, offset))) in motion.zip(answer).take(part.steps()).enumerate() {
+            let z = state[0].re() * keep + target;
+            let mut force = T::from(slope * z + offset);
+            if z.is_nan() {
+                (state, force) = law.step(state, &part.step(index));
+            } else {
+                state = [T::from(z)];
+            }
+            if record(first + index, state, force).is_break() {
+                return state;
+            }
+        }
+    }
+    state
+}
+
+impl Plain {
+    /// `None` for what is not affine, or needs derivatives.
+    fn of<T: Scalar>(law: &Bristle<T>) -> Option<Self> {
+        let affine = law.saturation == Saturation::Linear && law.steady == Steady::Stribeck;
+        let [mu_s, mu_k] = [law.mu_s.re(), law.mu_k.re()];
+        (T::NDERIV == 0 && affine && mu_s > 0.0 && mu_k > 0.0).then(|| Self {
+            sigma0: law.sigma0.re(),
+            sigma1: law.sigma1.re(),
+            sigma2: law.sigma2.re(),
+            mu_k,
+            excess: mu_s - mu_k,
+            slowness: law.v_s.re().recip(),
+            fading: law.v_d.re().recip(),
+            delta: law.delta.re(),
+        })
+    }
+}
+
+impl Block {
+    fn new() -> Self {
+        let row = [0.0; BLOCK];
+        Self {
+            mu: [0.0; BLOCK + 1],
+            inverses: [0.0; BLOCK + 1],
+            velocity: row,
+            mu_middle: row,
+            whole: row,
+            inverse: row,
+            half: row,
+            moments: [row; 3],
+            damping: row,
+            keep: row,
+            target: row,
+            slope: row,
+            offset: row,
+        }
+    }
+
+    #[inline(never)]
+    fn fill<T: Scalar>(&mut self, law: &Plain, part: &Stretch<'_, T>) {
+        if law.delta == 2.0 {
+            self.steady(law, part, |ratio| ratio * ratio);
+        } else if law.delta == 1.0 {
+            self.steady(law, part, |ratio| ratio);
+        } else {
+            self.steady(law, part, |ratio| power(ratio, law.delta));
+        }
+        let long = self.lengths(law, part);
+        self.remember(part.steps(), long);
+        self.damp(law, part);
+        self.close(law, part);
+    }
+
+    /// μ at the samples and at half time.
+    #[inline(always)]
+    fn steady<T: Scalar>(&mut self, law: &Plain, part: &Stretch<'_, T>, power: impl Fn(f64) -> f64) {
+        let at = |v: f64| law.mu_k + law.excess * decay(power(v.abs() * law.slowness));
+        for ((mu, inverse), v) in self.mu.iter_mut().zip(&mut self.inverses).zip(part.velocity) {
+            *mu = at(v.re());
+            *inverse = mu.recip();
+        }
+        let (slip, velocity) = (pairs(part.slip), pairs(part.velocity));
+        let factor = 1.5 / part.dt;
+        let rows = self.velocity.iter_mut().zip(&mut self.mu_middle);
+        for (((middle, mu), (u0, u1)), (v0, v2)) in rows.zip(slip).zip(velocity) {
+            *middle = (u1 - u0) * factor - (v0 + v2) * 0.25;
+            *mu = at(*middle);
+        }
+    }
+
+    /// Length of each step, and up to half time; whether one is long.
+    #[inline(always)]
+    fn lengths<T: Scalar>(&mut self, law: &Plain, part: &Stretch<'_, T>) -> bool {
+        let count = part.steps();
+        let (slip, velocity) = (&part.slip[..=count], &part.velocity[..=count]);
+        let mut longest = 0.0_f64;
+        for k in 0..count {
+            let (travel, [v0, v2]) =
+                (slip[k + 1].re() - slip[k].re(), [velocity[k].re(), velocity[k + 1].re()]);
+            let pace = law.sigma0.copysign(sense(travel, v0, v2)) * part.dt;
+            let start = v0 * pace * self.inverses[k];
+            let middle = self.velocity[k] * pace * self.mu_middle[k].recip();
+            let end = v2 * pace * self.inverses[k + 1];
+            let whole = (start + middle * 4.0 + end) * (1.0 / 6.0);
+            self.half[k] = (start * 5.0 + middle * 8.0 - end) * (1.0 / 24.0);
+            self.whole[k] = whole;
+            longest = if whole > longest { whole } else { longest };
+        }
+        longest > LONG
+    }
+
+    /// Both ways side by side where a step is long: a branch would keep the loop from vectors.
+    #[inline(always)]
+    fn remember(&mut self, count: usize, long: bool) {
+        for k in 0..count {
+            self.inverse[k] = self.whole[k].recip();
+        }
+        let [zeroth, first, second] = &mut self.moments;
+        let rows = zeroth.iter_mut().zip(first).zip(second).zip(&self.whole).take(count);
+        if long {
+            for (((m0, m1), m2), &x) in rows {
+                let (near, far) = (Memory::short(x).moments, Memory::long(x).moments);
+                let pick = |index: usize| if x > LONG { far[index] } else { near[index] };
+                (*m0, *m1, *m2) = (pick(0), pick(1), pick(2));
+            }
+        } else {
+            for (((m0, m1), m2), &x) in rows {
+                [*m0, *m1, *m2] = Memory::short(x).moments;
+            }
+        }
+    }
+
+    /// Presliding damping at the ends of the steps.
+    #[inline(always)]
+    fn damp<T: Scalar>(&mut self, law: &Plain, part: &Stretch<'_, T>) {
+        if law.sigma1 == 0.0 || law.fading == 0.0 {
+            self.damping.fill(law.sigma1);
+            return;
+        }
+        for (damping, (_, v)) in self.damping.iter_mut().zip(pairs(part.velocity)) {
+            let ratio = v * law.fading;
+            *damping = law.sigma1 * decay(ratio * ratio);
+        }
+    }
+
+    /// The affine maps of deflection and force.
+    #[inline(always)]
+    fn close<T: Scalar>(&mut self, law: &Plain, part: &Stretch<'_, T>) {
+        let count = part.steps();
+        let (slip, velocity) = (&part.slip[..=count], &part.velocity[..=count]);
+        let (normal, compliance) = (&part.normal[..=count], law.sigma0.recip());
+        let [zeroth, first, second] = &self.moments;
+        for k in 0..count {
+            let (travel, [v0, v2]) =
+                (slip[k + 1].re() - slip[k].re(), [velocity[k].re(), velocity[k + 1].re()]);
+            let kappa = (self.half[k] * self.inverse[k]).clamp(MIDDLE.0, MIDDLE.1);
+            let lean = self.mu[k + 1] - self.mu[k];
+            let bend = (self.mu_middle[k] - self.mu[k] - kappa * lean) / (kappa * (kappa - 1.0));
+            let loading = self.mu[k] * zeroth[k] + lean * first[k] + bend * (second[k] - first[k]);
+            let affine = (self.whole[k] > 0.0) & (v0 * v2 >= 0.0);
+            self.keep[k] = if affine { 1.0 - zeroth[k] } else { f64::NAN };
+            self.target[k] = loading * compliance.copysign(sense(travel, v0, v2));
+            let pressed = normal[k + 1].re();
+            let pressed = if pressed > 0.0 { pressed } else { 0.0 };
+            let damping = self.damping[k];
+            let relaxing = 1.0 - damping * v2.abs() * self.inverses[k + 1];
+            self.slope[k] = pressed * (law.sigma0 * relaxing);
+            self.offset[k] = pressed * damping * v2 + law.sigma2 * v2;
+        }
+    }
+}
+
+/// Old and new sample of each step.
+#[inline(always)]
+fn pairs<T: Scalar>(samples: &[T]) -> impl Iterator<Item = (f64, f64)> {
+    samples.iter().zip(&samples[1..]).map(|(old, new)| (old.re(), new.re()))
+}
+
+/// What has the sign of the slip.
+#[inline(always)]
+fn sense(travel: f64, v0: f64, v2: f64) -> f64 {
+    if travel == 0.0 { v0 + v2 } else { travel }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 300 samples (four blocks and a part) of a slip of two lines, held for a while, with lift-off.
+    fn motion() -> [Vec<f64>; 3] {
+        let held = |k: usize| if (180..210).contains(&k) { 180 } else { k };
+        let slip = |k: usize| {
+            let t = 0.05 * held(k) as f64;
+            1e-5 * (t.sin() + 0.3 * (3.0 * t).cos())
+        };
+        let velocity = |k: usize| {
+            let t = 0.05 * held(k) as f64;
+            if held(k) == k { 1e-3 * (t.cos() - 0.9 * (3.0 * t).sin()) } else { 0.0 }
+        };
+        let normal = |k: usize| 2.0 + 3.0 * (0.11 * k as f64).sin();
+        [(0..300).map(slip).collect(), (0..300).map(velocity).collect(), (0..300).map(normal).collect()]
+    }
+
+    fn law(sigma0: f64, damping: [f64; 2], delta: f64) -> Bristle<f64> {
+        let [sigma1, v_d] = damping;
+        let (saturation, steady) = (Saturation::Linear, Steady::Stribeck);
+        let plain = Bristle::plain(sigma0, 0.4);
+        Bristle { sigma1, v_d, sigma2: 0.3, mu_s: 0.7, v_s: 4e-4, delta, saturation, steady, ..plain }
+    }
+
+    /// The same numbers as single steps, but for rounding: some hundred steps of few operations, the general exponent's power
+    /// to some units in the last place. Short and long steps (σ0 |Δu|/μ from 0.02 to 200), reversals, rest and lift-off.
+    #[test]
+    fn a_stretch_is_its_steps() {
+        let [slip, velocity, normal] = motion();
+        let stretch = Stretch { slip: &slip, velocity: &velocity, normal: &normal, dt: 5e-4 };
+        for sigma0 in [1e4, 3e5, 1e8] {
+            for damping in [[0.0, 1e-3], [20.0, 8e-4], [20.0, f64::INFINITY]] {
+                for delta in [0.6, 1.0, 1.7, 2.0] {
+                    let law = law(sigma0, damping, delta);
+                    let (mut state, mut count) = ([0.0], 0);
+                    law.follow([0.0], &stretch, |index, after, force| {
+                        let expected;
+                        (state, expected) = law.step(state, &stretch.step(index));
+                        let error = (after[0] - state[0]).abs() * sigma0;
+                        assert!(error < 1e-13, "{sigma0} {delta} {index}: z is {error:e} off");
+                        let error = (force - expected).abs();
+                        assert!(error < 1e-12, "{sigma0} {delta} {index}: the force is {error:e} N off");
+                        count += 1;
+                        ControlFlow::Continue(())
+                    });
+                    assert_eq!(count, 299);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_stretch_breaks_off_where_it_is_told() {
+        let [slip, velocity, normal] = motion();
+        let stretch = Stretch { slip: &slip, velocity: &velocity, normal: &normal, dt: 5e-4 };
+        let law = law(1e5, [20.0, 1e-3], 2.0);
+        let mut last = (0, [0.0]);
+        let end = law.follow([0.0], &stretch, |index, after, _| {
+            last = (index, after);
+            if index == 70 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        assert_eq!(last, (70, end));
+        let nothing = Stretch { slip: &[], velocity: &[], normal: &[], dt: 1.0 };
+        assert_eq!(law.follow([3e-7], &nothing, |_, _, _| ControlFlow::Continue(())), [3e-7]);
+    }
+}

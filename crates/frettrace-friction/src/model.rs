@@ -1,0 +1,179 @@
+//! A law of the catalogue as a law: what needs one type for all of them steps through here.
+
+use std::ops::ControlFlow;
+
+use crate::{FrictionLaw, FrictionModel, Scalar, Step, Stretch, Visitor, laws, masing};
+
+/// Room for the longest state, that of Masing's memory.
+const ROOM: usize = masing::LENGTH;
+
+/// State of a law of the catalogue.
+#[derive(Clone, Copy, Debug)]
+pub struct ModelState<T> {
+    values: [T; ROOM],
+    length: usize,
+}
+
+impl<T: Scalar> ModelState<T> {
+    fn of(state: &[T]) -> Self {
+        let mut values = [T::from(0.0); ROOM];
+        values[..state.len()].copy_from_slice(state);
+        Self { values, length: state.len() }
+    }
+
+    /// The state in the law's own type.
+    fn own<L: FrictionLaw<T>>(&self, law: &L) -> L::State {
+        let mut state = law.rest();
+        state.as_mut().copy_from_slice(self.as_ref());
+        state
+    }
+}
+
+impl<T> AsRef<[T]> for ModelState<T> {
+    fn as_ref(&self) -> &[T] {
+        &self.values[..self.length]
+    }
+}
+
+impl<T> AsMut<[T]> for ModelState<T> {
+    fn as_mut(&mut self) -> &mut [T] {
+        &mut self.values[..self.length]
+    }
+}
+
+struct Resting;
+
+impl<T: Scalar> Visitor<T> for Resting {
+    type Output = ModelState<T>;
+
+    fn visit<L: FrictionLaw<T>>(self, law: &L) -> ModelState<T> {
+        ModelState::of(law.rest().as_ref())
+    }
+}
+
+struct Stepping<'a, T> {
+    state: ModelState<T>,
+    step: &'a Step<T>,
+}
+
+impl<T: Scalar> Visitor<T> for Stepping<'_, T> {
+    type Output = (ModelState<T>, T);
+
+    fn visit<L: FrictionLaw<T>>(self, law: &L) -> Self::Output {
+        let (state, force) = law.step(self.state.own(law), self.step);
+        (ModelState::of(state.as_ref()), force)
+    }
+}
+
+struct Following<'a, T, R> {
+    state: ModelState<T>,
+    stretch: &'a Stretch<'a, T>,
+    record: R,
+}
+
+impl<T: Scalar, R: FnMut(usize, ModelState<T>, T) -> ControlFlow<()>> Visitor<T> for Following<'_, T, R> {
+    type Output = ModelState<T>;
+
+    fn visit<L: FrictionLaw<T>>(self, law: &L) -> ModelState<T> {
+        let Self { state, stretch, mut record } = self;
+        let end = law.follow(state.own(law), stretch, |index, state, force| {
+            record(index, ModelState::of(state.as_ref()), force)
+        });
+        ModelState::of(end.as_ref())
+    }
+}
+
+impl<T: Scalar> FrictionLaw<T> for FrictionModel<T> {
+    type State = ModelState<T>;
+
+    fn rest(&self) -> ModelState<T> {
+        self.visit(Resting)
+    }
+
+    fn step(&self, state: ModelState<T>, step: &Step<T>) -> (ModelState<T>, T) {
+        self.visit(Stepping { state, step })
+    }
+
+    /// The law is found out once for the whole stretch.
+    fn follow(
+        &self,
+        state: ModelState<T>,
+        stretch: &Stretch<'_, T>,
+        record: impl FnMut(usize, ModelState<T>, T) -> ControlFlow<()>,
+    ) -> ModelState<T> {
+        self.visit(Following { state, stretch, record })
+    }
+}
+
+impl FrictionModel {
+    /// The same law over another scalar.
+    #[must_use]
+    pub fn lift<T: Scalar>(&self) -> FrictionModel<T> {
+        use FrictionModel as Model;
+        fn over<T: Scalar, const N: usize>(values: [f64; N]) -> [T; N] {
+            values.map(T::from)
+        }
+        match self {
+            Model::Coulomb(law) => Model::Coulomb(laws::Coulomb::from_values(over(law.values()))),
+            Model::Stribeck(law) => Model::Stribeck(laws::Stribeck::from_values(over(law.values()))),
+            Model::Dahl(law) => Model::Dahl(laws::Dahl::from_values(over(law.values()))),
+            Model::Lugre(law) => Model::Lugre(laws::Lugre::from_values(over(law.values()))),
+            Model::Hybrid(law) => Model::Hybrid(laws::Hybrid::from_values(over(law.values()))),
+            Model::RegularisedCoulomb(law) => Model::RegularisedCoulomb(
+                laws::RegularisedCoulomb::from_values(over(law.values()), law.shape),
+            ),
+            Model::Jenkins(law) => Model::Jenkins(laws::Jenkins::from_values(over(law.values()))),
+            Model::Iwan(law) => Model::Iwan(laws::Iwan::from_values(over(law.values()))),
+            Model::MaxwellSlip(law) => Model::MaxwellSlip(laws::MaxwellSlip::from_values(over(law.values()))),
+            Model::Gms(law) => Model::Gms(laws::Gms::from_values(over(law.values()))),
+            Model::ElastoPlastic(law) => {
+                Model::ElastoPlastic(laws::ElastoPlastic::from_values(over(law.values())))
+            }
+            Model::BoucWen(law) => Model::BoucWen(laws::BoucWen::from_values(over(law.values()))),
+            Model::CattaneoMindlin(law) => {
+                Model::CattaneoMindlin(laws::CattaneoMindlin::from_values(over(law.values())))
+            }
+            Model::Vlfm(law) => Model::Vlfm(laws::Vlfm::from_values(over(law.values()))),
+            Model::Sdfm(law) => Model::Sdfm(laws::Sdfm::from_values(over(law.values()))),
+            Model::Fbfm(law) => Model::Fbfm(laws::Fbfm::from_values(over(law.values()))),
+            Model::FilmStribeck(law) => {
+                Model::FilmStribeck(laws::FilmStribeck::from_values(over(law.values())))
+            }
+            Model::FilmLugre(law) => Model::FilmLugre(laws::FilmLugre::from_values(over(law.values()))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Law, Period};
+
+    /// One period of every law, by the model and by the law itself: the same numbers.
+    #[test]
+    fn a_model_is_its_law() {
+        struct March<'a>(Period<'a, f64>, &'a mut [f64]);
+        impl Visitor<f64> for March<'_> {
+            type Output = Vec<f64>;
+
+            fn visit<L: FrictionLaw<f64>>(self, law: &L) -> Vec<f64> {
+                self.0.march(law, law.rest(), self.1).unwrap().as_ref().to_vec()
+            }
+        }
+        let phase = |k: i32| 0.1 * f64::from(k);
+        let slip: Vec<f64> = (0..63).map(|k| 3e-6 * phase(k).sin()).collect();
+        let velocity: Vec<f64> = (0..63).map(|k| 3e-4 * phase(k).cos()).collect();
+        let normal = [20.0; 63];
+        let period = Period { slip: &slip, velocity: &velocity, normal: &normal, dt: 1e-3 };
+        for law in Law::ALL {
+            let model = law.with_values(&law.example()).unwrap();
+            let mut forces = [[0.0; 63]; 2];
+            let [direct, wrapped] = &mut forces;
+            let state = model.visit(March(period, direct));
+            let end = period.march(&model, model.rest(), wrapped).unwrap();
+            assert_eq!(forces[0], forces[1], "{}", law.name());
+            assert_eq!(state, end.as_ref(), "{}", law.name());
+            assert_eq!(model.lift::<f64>().values(), model.values(), "{}", law.name());
+        }
+    }
+}
