@@ -6,10 +6,12 @@
 #[allow(dead_code, missing_docs, clippy::unwrap_used, reason = "shared with the tests")]
 mod problems;
 
+use frettrace_beam::{Boundary, Dof, ModalModel, ModalOptions, UniformBeam};
 use frettrace_forward::hb::{
-    Contact, Family, Friction, Lines, Load, Network, Normal, Problem, Reading, Settings, Solver, Sweep,
+    Contact, Family, Friction, FrictionBeam, Lines, Load, Network, Normal, Problem, Reading, Response,
+    ResponseOptions, Settings, Solver, Sweep, SweepStatus, response,
 };
-use frettrace_forward::march::Structure;
+use frettrace_forward::march::{Port, Structure};
 use frettrace_friction::{Bristle, Scalar, laws::Dahl};
 use num_complex::Complex64;
 use problems::Peer;
@@ -19,6 +21,11 @@ fn main() {
         if let Some((points, evaluations, linearisations)) = follow(&peer, range) {
             println!("{name}: {points} points, {evaluations} evaluations, {linearisations} Jacobians");
         }
+    }
+    if let Some(found) = response_of_levels() {
+        let points: Vec<usize> = found.levels.iter().map(|level| level.points.len()).collect();
+        let ends: Vec<SweepStatus> = found.levels.iter().map(|level| level.status).collect();
+        println!("response: points {points:?}, {ends:?}");
     }
     divan::main();
 }
@@ -68,6 +75,46 @@ fn run(order: usize) -> Option<(Lines, Settings)> {
     network.loads.push(Load { port: 0, harmonic: 1, amplitude: Complex64::ONE });
     let samples = (8 * order).next_power_of_two();
     Some((network.lines(0.7, order, 1.0).ok()?, Settings { order, samples, ..Settings::default() }))
+}
+
+/// Eight levels over a resonance of a beam on its friction support, as the program's `response` asks for them: 40 modes,
+/// order 15, stability of every point, backbone; all cores.
+fn response_of_levels() -> Option<Response> {
+    let (length, spring) = (0.52, 4e6);
+    let beam = UniformBeam::rectangular(length, [0.03, 0.007], 2.05e11, 7840.0);
+    let model = |modes: usize| {
+        let options = ModalOptions { modes, damping_ratio: vec![0.005], ..ModalOptions::default() };
+        ModalModel::new(&beam, &Boundary::spring(spring), &options).ok()
+    };
+    let displacement = |x| Port { dof: Dof::displacement(x), factor: 1.0 };
+    let rig = FrictionBeam {
+        model: model(40)?,
+        coarse: model(6)?,
+        exciter: displacement(0.212),
+        slip: Port { dof: Dof::rotation(length), factor: 0.0035 },
+        normal: Some((displacement(length), spring)),
+        preload: 65.0,
+        friction: &SUPPORT,
+        masses: Vec::new(),
+        attached: Vec::new(),
+        sensors: [0.1, 0.2, 0.3, 0.4, 0.5].map(displacement).to_vec(),
+    };
+    let options = ResponseOptions {
+        levels: (0..8).map(|level| 0.2 * 1.7_f64.powi(level)).collect(),
+        range: [500.0, 700.0],
+        settings: Settings { order: 15, samples: 128, tolerance: 1e-7, ..Settings::default() },
+        resolution: [1e-2, 0.01],
+        stability: true,
+        backbone: 25,
+    };
+    response(&rig, &options).ok()
+}
+
+const SUPPORT: Bristles = Bristles([4.2e5, 0.24]);
+
+#[divan::bench(sample_count = 10)]
+fn response_over_eight_levels(bencher: divan::Bencher) {
+    bencher.bench_local(response_of_levels);
 }
 
 fn contact() -> Contact<'static> {
