@@ -5,7 +5,8 @@ use super::modified::{Circumstance, End, ModifiedLaw};
 use crate::bristle::stribeck;
 use crate::law::Scalar;
 
-/// Smallest friction coefficient a modification may leave.
+/// Smallest share of the sliding coefficient that a modification may leave: a law whose forces carry no normal force has it in
+/// newtons, of any size.
 const LEAST_FRICTION: f64 = 1e-6;
 
 impl<T: Scalar> ModifiedLaw<T> {
@@ -76,7 +77,8 @@ impl<T: Scalar> ModifiedLaw<T> {
             }
             mu *= self.at(Hook::Wear) * course + 1.0;
         }
-        if mu.re() > LEAST_FRICTION { mu } else { T::from(LEAST_FRICTION) }
+        let least = self.at(Hook::MuKinetic).re().abs() * LEAST_FRICTION + f64::MIN_POSITIVE;
+        if mu.re() > least { mu } else { T::from(least) }
     }
 
     /// `exp(−n·l − m·l²)`, `l = ln(N/N₀)`; 1 where the contact is all but open.

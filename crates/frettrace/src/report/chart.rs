@@ -9,18 +9,21 @@ use plotters::prelude::*;
 const PAPER: RGBColor = RGBColor(1, 2, 3);
 const TEXT: RGBColor = RGBColor(4, 5, 6);
 const GRID: RGBColor = RGBColor(7, 8, 9);
-const SERIES: [RGBColor; 9] = {
-    let mut markers = [RGBColor(0, 0, 0); 9];
+const SERIES: [RGBColor; 3 + NUMBERED.len()] = {
+    let mut markers = [RGBColor(0, 0, 0); 3 + NUMBERED.len()];
     let mut index = 0;
-    while index < 9 {
+    while index < markers.len() {
         let first = 10 + 3 * index as u8;
         markers[index] = RGBColor(first, first + 1, first + 2);
         index += 1;
     }
     markers
 };
-/// Colours of numbered curves, told apart under colour-blindness and readable on light and dark (Okabe, Ito 2008).
-const NUMBERED: [&str; 6] = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00"];
+/// Colours of numbered curves, as many as a ladder of levels has rungs or a beam sensors: in the order of the spectrum, so that
+/// the order of levels shows; dark at both ends and light in the middle, so that those that colour-blindness brings together
+/// differ in lightness.
+const NUMBERED: [&str; 8] =
+    ["#2a1a6e", "#1f6fd0", "#00a0a8", "#2a9d3a", "#a8a000", "#e08a00", "#d43a1f", "#8a0a3c"];
 
 /// Where a chart will stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -267,6 +270,20 @@ mod tests {
         let svg = chart(&[0.0, 1.0, 2.0, 3.0, 4.0], &[0.0, 1.0, f64::NAN, 1.0, 0.0]).svg(Ink::File);
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
         assert_eq!(pieces(&[(0.0, 0.0), (1.0, f64::NAN), (2.0, 0.0)]).count(), 2);
+    }
+
+    /// Eight levels have eight colours, all of them in the picture.
+    #[test]
+    fn eight_levels_are_told_apart() {
+        let (x, y) = ([0.0, 1.0], [[0.0, 1.0], [1.0, 2.0], [2.0, 3.0], [3.0, 4.0]]);
+        let names: Vec<String> = (0..8).map(|level| format!("level {level}")).collect();
+        let curves = names.iter().enumerate().map(|(level, name)| {
+            let y = &y[level % y.len()];
+            Curve { name, role: Role::Number(level), x: &x, y }
+        });
+        let chart = Chart { curves: curves.collect(), ..chart(&x, &y[0]) };
+        let svg = chart.svg(Ink::File);
+        assert!(NUMBERED.iter().all(|colour| svg.contains(colour)), "{svg}");
     }
 
     #[test]
