@@ -15,6 +15,8 @@ const DRAWS: usize = 8;
 const SEED: u64 = 1;
 /// Highest line (of the excitation) of a recovered period.
 const LINES: usize = 60;
+/// Periodic runs from which a fit can start.
+const LEAST_PERIODIC: usize = 3;
 /// Share of the peak force that a cut series of lines misses at best.
 const CUT: f64 = 5e-3;
 
@@ -23,7 +25,7 @@ pub(super) struct Loops {
     runs: Vec<RunLoop>,
     /// One history a run, without the forces that the noise hides.
     pub(super) histories: Vec<ContactHistory>,
-    /// Runs that are not periodic.
+    /// Runs that are not periodic, where there are too few others.
     pub(super) open: Vec<ContactHistory>,
 }
 
@@ -67,7 +69,9 @@ impl Loops {
                 histories[place].draws.push(draw);
             }
         }
-        Ok(Self { runs, histories, open: aperiodic::histories(case) })
+        // They are long and no period shortens the march along them: the fit starts without them where it can.
+        let open = if runs.len() < LEAST_PERIODIC { aperiodic::histories(case) } else { Vec::new() };
+        Ok(Self { runs, histories, open })
     }
 
     /// The histories with the lines that the noise hides filled by what a law fitted to the others answers.
