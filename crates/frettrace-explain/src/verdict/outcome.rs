@@ -75,7 +75,7 @@ pub struct Outcome {
 }
 
 impl Search<'_> {
-    pub(super) fn outcome(mut self, baseline: Explained, model: Explained) -> Outcome {
+    pub(super) fn outcome(mut self, baseline: Explained, mut model: Explained) -> Outcome {
         let borne_out = self.borne_out(&baseline, &model);
         let faults = &self.study.case.faults;
         let named: Vec<&ChannelFault> = faults.iter().filter(|f| self.study.case.allows(f.id)).collect();
@@ -100,6 +100,10 @@ impl Search<'_> {
         } else {
             Vec::new()
         };
+        if verdict == Verdict::Unexplained && self.worse(&baseline, &model) {
+            self.notes.push("what was tried last made held-out runs worse: it is not in the model".into());
+            model = baseline.clone();
+        }
         self.tried.extend(faults.iter().map(|fault| Tried {
             id: fault.id,
             error: f64::NAN,
@@ -140,6 +144,12 @@ impl Search<'_> {
             (ratio * ratio - 1.0).max(0.0)
         };
         found > HELD_OUT && excess(model) <= HELD_OUT_SHARE * excess(baseline)
+    }
+
+    /// Whether runs that nothing was fitted to are predicted worse than by the declared model.
+    fn worse(&self, baseline: &Explained, model: &Explained) -> bool {
+        let error = |of: &Explained| self.study.error(&of.fitted, &self.study.held_out).error;
+        !self.study.held_out.is_empty() && error(model) > error(baseline)
     }
 
     /// What a reader must know.
