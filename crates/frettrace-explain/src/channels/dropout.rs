@@ -10,6 +10,8 @@ const FEWEST: usize = 8;
 const SHARE: f64 = 0.1;
 /// Deviation within a period, over the usual one, below which the signal is gone.
 const GONE: f64 = 0.1;
+/// … and that of another channel above which the rig moves as it does elsewhere.
+const MOVING: f64 = 0.5;
 /// Samples to each side of a dropout that filters may have touched.
 const MARGIN: usize = 2;
 /// Steps in which gap and lines around it agree: each leaves the gap's share of the record.
@@ -29,7 +31,11 @@ pub(super) fn find(runs: &[RunSamples<'_>], channels: &mut Channels) -> Vec<Chan
             if channels.clipped[run][sensor].is_some() {
                 continue;
             }
-            let mask = gaps(signal, period(samples));
+            let others: Vec<&[f64]> = (0..sensors)
+                .filter(|other| *other != sensor)
+                .map(|other| samples.acceleration[other].as_slice())
+                .collect();
+            let mask = gaps(signal, &others, period(samples));
             let missing = mask.iter().filter(|m| **m).count();
             if missing == 0 || 2 * missing > signal.len() {
                 continue;
@@ -54,7 +60,7 @@ pub(super) fn find(runs: &[RunSamples<'_>], channels: &mut Channels) -> Vec<Chan
 }
 
 /// Samples that are lost.
-fn gaps(signal: &[f64], period: usize) -> Vec<bool> {
+fn gaps(signal: &[f64], others: &[&[f64]], period: usize) -> Vec<bool> {
     let n = signal.len();
     let mut lost = vec![false; n];
     let fewest = FEWEST.max((SHARE * period as f64) as usize);
@@ -68,7 +74,7 @@ fn gaps(signal: &[f64], period: usize) -> Vec<bool> {
         }
         from = k;
     }
-    quiet_periods(signal, period, &mut lost);
+    quiet_periods(signal, others, period, &mut lost);
     let core = lost.clone();
     for k in (0..n).filter(|&k| core[k]) {
         lost[k.saturating_sub(MARGIN)..(k + MARGIN + 1).min(n)].fill(true);
@@ -76,26 +82,52 @@ fn gaps(signal: &[f64], period: usize) -> Vec<bool> {
     lost
 }
 
-/// Marks whole periods in which the signal does not move as it does elsewhere.
-fn quiet_periods(signal: &[f64], period: usize, lost: &mut [bool]) {
+/// Marks whole periods in which the signal does not move as it does elsewhere, while most other channels do: a rig that beats or
+/// dies away is quiet in all of them.
+fn quiet_periods(signal: &[f64], others: &[&[f64]], period: usize, lost: &mut [bool]) {
     let n = signal.len();
     if period < FEWEST || n < 4 * period {
         return;
     }
-    let step = (period / 8).max(1);
-    let deviation = |from: usize| {
-        let window = &signal[from..from + period];
-        let mean = window.iter().sum::<f64>() / period as f64;
-        (window.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / period as f64).sqrt()
-    };
-    let starts: Vec<usize> = (0..=n - period).step_by(step).collect();
-    let all: Vec<f64> = starts.iter().map(|&s| deviation(s)).collect();
-    let mut sorted = all.clone();
-    sorted.sort_by(f64::total_cmp);
-    let usual = sorted[sorted.len() / 2];
-    for (&start, _) in starts.iter().zip(&all).filter(|(_, d)| **d < GONE * usual) {
-        lost[start..start + period].fill(true);
+    let starts: Vec<usize> = (0..=n - period).step_by((period / 8).max(1)).collect();
+    let share = Share::new(signal, &starts, period);
+    let quiet: Vec<usize> = starts.iter().copied().filter(|&start| share.at(start) < GONE).collect();
+    if quiet.is_empty() {
+        return;
     }
+    let beside: Vec<Share<'_>> = others.iter().map(|other| Share::new(other, &starts, period)).collect();
+    for start in quiet {
+        let moving = beside.iter().filter(|other| other.at(start) > MOVING).count();
+        if 2 * moving >= beside.len() {
+            lost[start..start + period].fill(true);
+        }
+    }
+}
+
+/// Deviation of a channel within a period, over the usual one.
+struct Share<'a> {
+    signal: &'a [f64],
+    period: usize,
+    usual: f64,
+}
+
+impl<'a> Share<'a> {
+    fn new(signal: &'a [f64], starts: &[usize], period: usize) -> Self {
+        let mut sorted: Vec<f64> =
+            starts.iter().map(|&start| deviation(&signal[start..start + period])).collect();
+        sorted.sort_by(f64::total_cmp);
+        Self { signal, period, usual: sorted[sorted.len() / 2] }
+    }
+
+    fn at(&self, start: usize) -> f64 {
+        deviation(&self.signal[start..start + self.period]) / self.usual
+    }
+}
+
+/// Root mean square about the mean.
+fn deviation(window: &[f64]) -> f64 {
+    let mean = window.iter().sum::<f64>() / window.len() as f64;
+    (window.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / window.len() as f64).sqrt()
 }
 
 /// Fills the gaps with the lines of what is left, in turns.
@@ -120,5 +152,29 @@ fn fill(run: &RunSamples<'_>, mask: &[bool], signal: &mut [f64]) {
         {
             *value -= left;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::gaps;
+
+    /// Forty periods of fifty samples; a channel that reads noise of a hundredth in two of them has lost them, unless all others
+    /// are as quiet then: a rig that beats.
+    #[test]
+    fn a_quiet_rig_is_no_dropout() {
+        let tone = |quiet: f64, phase: f64| -> Vec<f64> {
+            (0..2000)
+                .map(|k| {
+                    let size = if (1000..1100).contains(&k) { quiet } else { 1.0 };
+                    size * (std::f64::consts::TAU * k as f64 / 50.0 + phase).sin()
+                })
+                .collect()
+        };
+        let [fallen, going, other] = [tone(0.01, 0.0), tone(1.0, 0.3), tone(0.02, 0.6)];
+        let alone = gaps(&fallen, &[&going, &going, &other], 50);
+        assert!(alone[1000..1100].iter().all(|lost| *lost));
+        assert!(alone.iter().filter(|lost| **lost).count() <= 100 + 2 * super::MARGIN);
+        assert!(gaps(&fallen, &[&other, &other, &going], 50).iter().all(|lost| !lost));
     }
 }
