@@ -205,6 +205,24 @@ impl Study<'_> {
         if of_law { self.polished(&reduced).ok() } else { None }
     }
 
+    /// A model of two effects without what the first one brought to the law, fitted again; `None` where that is not of the law.
+    pub(crate) fn without_first(&self, from: &Explained) -> Option<Explained> {
+        let declared = self.case.unknowns();
+        let mut reduced = from.clone();
+        for unknown in from.own(0) {
+            let Quantity::Law(hook) = unknown.quantity else { return None };
+            let kept = from.own(1).iter().chain(&declared).any(|u| u.quantity == unknown.quantity);
+            if !kept {
+                reduced.fitted.setting.law.clear(hook);
+            }
+        }
+        reduced.added = from.own(1).to_vec();
+        reduced.effects.remove(0);
+        reduced.sensors.remove(0);
+        reduced.counts.remove(0);
+        self.polished(&reduced).ok()
+    }
+
     /// A model that was not fitted: the declared values as they are.
     pub(crate) fn blank(&self, setting: Setting, unknowns: &[Unknown]) -> Result<Explained, ExplainError> {
         let values = unknowns.iter().map(|u| setting.get(u.quantity).unwrap_or_default()).collect();

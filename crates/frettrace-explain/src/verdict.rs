@@ -321,12 +321,18 @@ impl Search<'_> {
         self.series_error(model) > SERIES_OPEN
     }
 
-    /// Without the last effect where the model is complete without it too.
+    /// Without the last effect, or without the first of two, where the model is complete without it too: a first effect may have
+    /// stood in for the second.
     fn pruned(&self, current: Explained, before: &Explained) -> Explained {
-        match self.study.without_last(&current, before) {
-            Some(plain) if plain.complete() && plain.criterion < current.criterion + EVIDENCE => plain,
-            _ => current,
+        let shorter = |plain: Option<Explained>| {
+            plain.filter(|plain| plain.complete() && plain.criterion < current.criterion + EVIDENCE)
+        };
+        if let Some(plain) = shorter(self.study.without_last(&current, before)) {
+            return plain;
         }
+        let two = current.effects.len() == 2;
+        let last = if two { shorter(self.study.without_first(&current)) } else { None };
+        last.unwrap_or(current)
     }
 }
 
