@@ -4,7 +4,7 @@ use crate::effects::{ALL, StructureForm};
 use crate::study::merge;
 use crate::{Study, Unknown};
 use frettrace_forward::accelerations::{AccelerationModel, Balance, Beside, Quantity, Setting};
-use frettrace_identify::{FitSettings, Model, NoSolution, Parameter, Transform, fit};
+use frettrace_identify::{FitSettings, Model, NoSolution, Parameter, fit};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -102,11 +102,7 @@ impl Model for BalanceProblem<'_> {
         self.residual(values, memory, residual)?;
         let mut beside = vec![0.0; residual.len()];
         for j in (0..values.len()).filter(|&j| free[j]) {
-            let size = match self.parameters[j].transform {
-                Transform::Log => values[j].abs(),
-                Transform::Linear { scale } => scale.abs(),
-            };
-            let distance = 1e-3 * size;
+            let distance = 1e-3 * self.parameters[j].transform.size(values[j]);
             let mut moved = values.to_vec();
             moved[j] += distance;
             self.residual(&moved, memory, &mut beside)?;

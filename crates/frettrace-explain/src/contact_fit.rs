@@ -283,14 +283,7 @@ impl Model for ContactProblem<'_> {
         self.residual(values, memory, residual)?;
         let mut beside = vec![0.0; residual.len()];
         for j in (0..values.len()).filter(|&j| free[j]) {
-            let size = match self.parameters[j].transform {
-                frettrace_identify::Transform::Log => values[j].abs(),
-                frettrace_identify::Transform::Linear { scale } => scale.abs(),
-            };
-            let mut distance = 1e-4 * size;
-            if values[j] + distance > self.parameters[j].bounds.1 {
-                distance = -distance;
-            }
+            let distance = self.parameters[j].difference(values[j], 1e-4);
             let mut moved = values.to_vec();
             moved[j] += distance;
             self.residual(&moved, memory, &mut beside)?;

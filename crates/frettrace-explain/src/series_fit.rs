@@ -4,7 +4,7 @@
 //! the recovered force in the bins the sensors know. The record is tapered, so that the unknown state at its start, a
 //! tenth of it, does not matter.
 
-use frettrace_fourier::spectrum;
+use frettrace_fourier::tapered_spectrum;
 use frettrace_friction::Step;
 use frettrace_friction::effects::{Circumstance, ModifiedLaw};
 use num_complex::Complex64;
@@ -30,6 +30,9 @@ pub struct Series {
 }
 
 impl Series {
+    /// Share of the record at its start that only settles the law's state.
+    pub const SETTLING: f64 = 0.1;
+
     /// Its last samples; the deviations stay those of the bins of the whole record.
     fn last(&self, most: usize) -> Self {
         let part = |x: &[f64]| x[x.len().saturating_sub(most)..].to_vec();
@@ -43,12 +46,44 @@ impl Series {
             open_share: self.open_share,
         }
     }
+
+    /// Force (N) of a law along the recovered motion, from rest, one value a sample. A rigid contact takes the force `trial`
+    /// as long as it holds; `None` where the contact yields.
+    #[must_use]
+    pub fn answer(
+        &self,
+        law: &ModifiedLaw<f64>,
+        circumstance: &Circumstance,
+        trial: Option<&[f64]>,
+    ) -> Vec<f64> {
+        let mut state = law.rest_at(self.slip.first().copied().unwrap_or_default());
+        let mut force = vec![0.0; self.slip.len()];
+        for (k, force) in force.iter_mut().enumerate().skip(1) {
+            let step = Step {
+                slip: [self.slip[k - 1], self.slip[k]],
+                velocity: [self.velocity[k - 1], self.velocity[k]],
+                normal: [self.normal[k - 1], self.normal[k]],
+                dt: self.dt,
+            };
+            let (next, answered) = match trial {
+                Some(trial) => law.advance_rigid(state, &step, (trial[k], circumstance)),
+                None => law.advance(state, &step, circumstance),
+            };
+            state = next;
+            *force = answered;
+        }
+        force
+    }
+
+    /// Amplitudes of a signal of the series in the bins of what is kept of it, tapered: its first [`Self::SETTLING`] is left out.
+    #[must_use]
+    pub fn amplitudes(signal: &[f64]) -> Vec<Complex64> {
+        tapered_spectrum(&signal[(Self::SETTLING * signal.len() as f64) as usize..])
+    }
 }
 
 /// Relative accuracy of a recovered force: what drift, taper and the structure's errors leave.
 const ACCURACY: f64 = 0.01;
-/// Share of the record at its start that only settles the law's state.
-const SETTLING: f64 = 0.1;
 
 /// A run ready for comparison.
 pub(crate) struct SeriesContact {
@@ -65,10 +100,10 @@ impl SeriesContact {
         let whole = series.force.len();
         let series = series.last(most);
         let share = series.force.len() as f64 / whole.max(1) as f64;
-        let measured = tapered(&series.force);
+        let measured = Series::amplitudes(&series.force);
         // Bins of a part lie farther apart than those of the record, and noise is larger in them.
         let deviation = |k: usize| {
-            let of_record = (k as f64 / (share * (1.0 - SETTLING))).round() as usize;
+            let of_record = (k as f64 / (share * (1.0 - Series::SETTLING))).round() as usize;
             series.deviation.get(of_record).map_or(f64::INFINITY, |d| d / share.sqrt())
         };
         let known: Vec<usize> =
@@ -80,23 +115,8 @@ impl SeriesContact {
         (!bins.is_empty()).then_some(Self { series, circumstance, bins, measured })
     }
 
-    /// Force of the law along the recovered motion.
     fn answer(&self, law: &ModifiedLaw<f64>) -> Vec<f64> {
-        let of = &self.series;
-        let mut state = law.rest_at(of.slip.first().copied().unwrap_or_default());
-        let mut force = vec![0.0; of.slip.len()];
-        for (k, force) in force.iter_mut().enumerate().skip(1) {
-            let step = Step {
-                slip: [of.slip[k - 1], of.slip[k]],
-                velocity: [of.velocity[k - 1], of.velocity[k]],
-                normal: [of.normal[k - 1], of.normal[k]],
-                dt: of.dt,
-            };
-            let (next, answered) = law.advance(state, &step, &self.circumstance);
-            state = next;
-            *force = answered;
-        }
-        force
+        self.series.answer(law, &self.circumstance, None)
     }
 
     /// Number of real residuals.
@@ -106,7 +126,7 @@ impl SeriesContact {
 
     /// Recovered minus answered force over the standard deviations.
     pub fn residual(&self, law: &ModifiedLaw<f64>, out: &mut [f64]) {
-        let answered = tapered(&self.answer(law));
+        let answered = Series::amplitudes(&self.answer(law));
         for (pair, (k, deviation)) in out.chunks_mut(2).zip(&self.bins) {
             let left = (self.measured[*k] - answered[*k]) / *deviation;
             pair.copy_from_slice(&[left.re, left.im]);
@@ -123,22 +143,11 @@ impl SeriesContact {
 
     /// Relative RMS of recovered minus answered force in the bins compared.
     pub fn error(&self, law: &ModifiedLaw<f64>) -> f64 {
-        let answered = tapered(&self.answer(law));
+        let answered = Series::amplitudes(&self.answer(law));
         let sum = |of: &dyn Fn(usize) -> f64| self.bins.iter().map(|(k, _)| of(*k)).sum::<f64>();
         let left = sum(&|k| (self.measured[k] - answered[k]).norm_sqr());
         (left / sum(&|k| self.measured[k].norm_sqr()).max(f64::MIN_POSITIVE)).sqrt()
     }
-}
-
-/// Bins of the record after its first tenth, under Hann's window of mean square one.
-fn tapered(x: &[f64]) -> Vec<Complex64> {
-    let kept = &x[(SETTLING * x.len() as f64) as usize..];
-    let n = kept.len() as f64;
-    let mean = kept.iter().sum::<f64>() / n.max(1.0);
-    let window =
-        |j: usize| (8.0_f64 / 3.0).sqrt() * 0.5 * (1.0 - (std::f64::consts::TAU * j as f64 / n).cos());
-    let tapered: Vec<f64> = kept.iter().enumerate().map(|(j, v)| (v - mean) * window(j)).collect();
-    spectrum(&tapered).iter().map(|z| z * (2.0 / n)).collect()
 }
 
 #[cfg(test)]

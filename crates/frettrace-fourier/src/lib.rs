@@ -28,5 +28,5 @@ mod projection;
 pub use frequency::{Frequency, refine};
 pub use grid::{Grid, GridError, GridScratch};
 pub use harmonics::Harmonics;
-pub use noise::spectrum;
+pub use noise::{spectrum, tapered_spectrum};
 pub use projection::{Lines, Projected, ProjectionError, Projector};

@@ -40,6 +40,17 @@ fn periodogram(x: &[f64]) -> Vec<f64> {
     spectrum.iter().map(|z| z.norm_sqr() * scale).collect()
 }
 
+/// Amplitudes `2X_k/n` of a real record about its mean, under Hann's window of mean square one: the bins `0..=n/2`.
+#[must_use]
+pub fn tapered_spectrum(x: &[f64]) -> Vec<Complex64> {
+    let n = x.len() as f64;
+    let mean = x.iter().sum::<f64>() / n.max(1.0);
+    let window =
+        |j: usize| (8.0_f64 / 3.0).sqrt() * 0.5 * (1.0 - (std::f64::consts::TAU * j as f64 / n).cos());
+    let tapered: Vec<f64> = x.iter().enumerate().map(|(j, v)| (v - mean) * window(j)).collect();
+    spectrum(&tapered).iter().map(|z| z * (2.0 / n)).collect()
+}
+
 /// Unscaled discrete Fourier transform `Σ_j x_j e^{−2πijk/n}` of the bins `0..=n/2` of a real record.
 #[must_use]
 pub fn spectrum(x: &[f64]) -> Vec<Complex64> {

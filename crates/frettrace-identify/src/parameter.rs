@@ -11,6 +11,15 @@ pub enum Transform {
 }
 
 impl Transform {
+    /// Size of a value: its own in the logarithm, else the scale.
+    #[must_use]
+    pub fn size(self, value: f64) -> f64 {
+        match self {
+            Self::Log => value.abs(),
+            Self::Linear { scale } => scale.abs(),
+        }
+    }
+
     /// Coordinate of a physical value.
     #[must_use]
     pub fn coordinate(self, value: f64) -> f64 {
@@ -98,6 +107,13 @@ impl Parameter {
             prior: Some(prior),
             experiment: String::new(),
         }
+    }
+
+    /// Distance of a one-sided difference at a value: a share of its size, downwards where the upper bound is nearer.
+    #[must_use]
+    pub fn difference(&self, value: f64, share: f64) -> f64 {
+        let distance = share * self.transform.size(value);
+        if value + distance > self.bounds.1 { -distance } else { distance }
     }
 
     /// The same parameter with the experiment that tells it.

@@ -25,7 +25,7 @@ use crate::dynamics::{LineReceptances, Load};
 use crate::{RunData, RunLines};
 use faer::prelude::Solve;
 use faer::{Col, Mat, Side};
-use frettrace_fourier::spectrum;
+use frettrace_fourier::{spectrum, tapered_spectrum};
 pub(crate) use known::Known;
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -126,8 +126,8 @@ impl<'a> Whole<'a> {
 
     /// Powers of the contact forces of the tapered record: a taper forgets the states at the ends.
     fn tapered_priors(&self, left: &Left) -> Vec<Vec<f64>> {
-        let force = tapered(&left.force);
-        let accelerations: Vec<_> = left.accelerations.iter().map(|a| tapered(a)).collect();
+        let force = tapered_spectrum(&left.force);
+        let accelerations: Vec<_> = left.accelerations.iter().map(|a| tapered_spectrum(a)).collect();
         let free = vec![f64::INFINITY; self.loads.len()];
         let found: Vec<Vec<f64>> = self
             .bins
@@ -286,15 +286,6 @@ impl<'a> Whole<'a> {
             }
         }
     }
-}
-
-/// Amplitudes of a record without its mean, seen through Hann's window with the mean square one.
-fn tapered(x: &[f64]) -> Vec<Complex64> {
-    let n = x.len() as f64;
-    let mean = x.iter().sum::<f64>() / n;
-    let window = |j: usize| (8.0_f64 / 3.0).sqrt() * 0.5 * (1.0 - (TAU * j as f64 / n).cos());
-    let seen: Vec<f64> = x.iter().enumerate().map(|(j, v)| (v - mean) * window(j)).collect();
-    spectrum(&seen).iter().map(|z| z * (2.0 / n)).collect()
 }
 
 /// Variance of each force.

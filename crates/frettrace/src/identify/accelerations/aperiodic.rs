@@ -8,17 +8,13 @@
 use crate::StudyError;
 use frettrace_explain::{Case, ExplainError, Series, Study};
 use frettrace_forward::accelerations::{AccelerationModel, Quantity, RunLines, Setting};
-use frettrace_fourier::spectrum;
-use frettrace_friction::Step;
 use frettrace_friction::effects::{Circumstance, Hook, ModifiedLaw};
 use frettrace_identify::contact::{Closure, ContactHistory};
-use frettrace_identify::{NoSolution, Parameter, Transform};
+use frettrace_identify::{NoSolution, Parameter};
 use num_complex::Complex64;
 
 /// Relative accuracy of the force recovered of one run.
 pub(super) const ACCURACY: f64 = 0.01;
-/// Share of a record at its start that only settles the state of the law.
-const SETTLING: f64 = 0.1;
 /// Deviations that a bin must exceed to be compared.
 const KNOWN: f64 = 3.0;
 /// Samples of a record that the first steps of the identification see.
@@ -85,14 +81,7 @@ impl Aperiodic {
     ) -> Result<Vec<f64>, NoSolution> {
         let mut moved = vec![0.0; plain.len()];
         let (Quantity::Law(_), Some(value)) = (quantity, setting.get(quantity)) else { return Ok(moved) };
-        let size = match described.transform {
-            Transform::Log => value.abs(),
-            Transform::Linear { scale } => scale.abs(),
-        };
-        let mut distance = DIFFERENCE * size;
-        if value + distance > described.bounds.1 {
-            distance = -distance;
-        }
+        let distance = described.difference(value, DIFFERENCE);
         let mut beside = setting.clone();
         beside.set(quantity, value + distance);
         self.residual(&beside, &mut moved)?;
@@ -108,10 +97,10 @@ impl Record {
         setting: &Setting,
         (lines, series): (&RunLines, &Series),
     ) -> Result<Option<Self>, ExplainError> {
-        let measured = tapered(&series.force);
+        let measured = Series::amplitudes(&series.force);
         // Bins of what is kept lie farther apart than those of the record.
         let deviation = |k: usize| {
-            let of_record = (k as f64 / (1.0 - SETTLING)).round() as usize;
+            let of_record = (k as f64 / (1.0 - Series::SETTLING)).round() as usize;
             series.deviation.get(of_record).copied().unwrap_or(f64::INFINITY)
         };
         // The taper ties neighbours together: every second bin is independent of the others.
@@ -136,31 +125,9 @@ impl Record {
         Ok(Some(Self { series: series.clone(), circumstance, trial, bins, measured }))
     }
 
-    /// Force of a law along the recovered motion.
-    fn answer(&self, (law, rigid): (&ModifiedLaw<f64>, bool)) -> Vec<f64> {
-        let of = &self.series;
-        let mut state = law.rest_at(of.slip.first().copied().unwrap_or_default());
-        let mut force = vec![0.0; of.slip.len()];
-        for (k, force) in force.iter_mut().enumerate().skip(1) {
-            let step = Step {
-                slip: [of.slip[k - 1], of.slip[k]],
-                velocity: [of.velocity[k - 1], of.velocity[k]],
-                normal: [of.normal[k - 1], of.normal[k]],
-                dt: of.dt,
-            };
-            let (next, answered) = if rigid {
-                law.advance_rigid(state, &step, (self.trial[k], &self.circumstance))
-            } else {
-                law.advance(state, &step, &self.circumstance)
-            };
-            state = next;
-            *force = answered;
-        }
-        force
-    }
-
-    fn residual(&self, law: (&ModifiedLaw<f64>, bool), out: &mut [f64]) {
-        let answered = tapered(&self.answer(law));
+    fn residual(&self, (law, rigid): (&ModifiedLaw<f64>, bool), out: &mut [f64]) {
+        let trial = rigid.then_some(&self.trial[..]);
+        let answered = Series::amplitudes(&self.series.answer(law, &self.circumstance, trial));
         for (pair, (k, deviation)) in out.chunks_mut(2).zip(&self.bins) {
             let left = (self.measured[*k] - answered[*k]) / *deviation;
             pair.copy_from_slice(&[left.re, left.im]);
@@ -192,7 +159,7 @@ fn history(run: usize, of: &Series) -> ContactHistory {
         mean_is_seen: false,
         force_std: noise.sqrt().max(ACCURACY * peak).max(1e-12),
         draws: Vec::new(),
-        first: (SETTLING * samples as f64) as usize,
+        first: (Series::SETTLING * samples as f64) as usize,
     }
 }
 
@@ -205,7 +172,7 @@ fn share_accuracy(measured: &[Complex64], bins: &mut [(usize, f64)]) {
 
 /// Angular frequency from one bin to the next (rad/s).
 fn spacing(series: &Series) -> f64 {
-    let kept = series.force.len() - (SETTLING * series.force.len() as f64) as usize;
+    let kept = series.force.len() - (Series::SETTLING * series.force.len() as f64) as usize;
     std::f64::consts::TAU / (kept.max(1) as f64 * series.dt)
 }
 
@@ -233,17 +200,6 @@ fn receptance(
     Ok(found.into_iter().next().map(|balance| balance.slip_gain).unwrap_or_default())
 }
 
-/// Bins of a record after its first tenth, under Hann's window of mean square one.
-fn tapered(x: &[f64]) -> Vec<Complex64> {
-    let kept = &x[(SETTLING * x.len() as f64) as usize..];
-    let n = kept.len() as f64;
-    let mean = kept.iter().sum::<f64>() / n.max(1.0);
-    let window =
-        |j: usize| (8.0_f64 / 3.0).sqrt() * 0.5 * (1.0 - (std::f64::consts::TAU * j as f64 / n).cos());
-    let tapered: Vec<f64> = kept.iter().enumerate().map(|(j, v)| (v - mean) * window(j)).collect();
-    spectrum(&tapered).iter().map(|z| z * (2.0 / n)).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -266,7 +222,7 @@ mod tests {
             bins: (2..400).step_by(2).map(|k| (k, 1e-6)).collect(),
             measured: Vec::new(),
         };
-        record.measured = tapered(&record.answer((law, false)));
+        record.measured = Series::amplitudes(&record.series.answer(law, &record.circumstance, None));
         share_accuracy(&record.measured, &mut record.bins);
         record
     }
