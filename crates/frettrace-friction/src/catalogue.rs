@@ -1,9 +1,9 @@
-//! The list of laws a user sees: names, parameters, and the only match on laws.
+//! The list of laws a user sees: names, parameters, claims, and the only matches on laws.
 
-use std::collections::BTreeMap;
+use std::array::from_fn;
 
 use crate::laws::{self, Shape};
-use crate::{Error, FrictionLaw, Parameter, Scalar};
+use crate::{Claims, FrictionLaw, Parameter, Scalar};
 
 /// A law by name, without its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -151,23 +151,6 @@ impl Law {
         }
     }
 
-    /// The law of this name.
-    ///
-    /// # Errors
-    /// [`Error::UnknownLaw`] with the names there are.
-    pub fn from_name(name: &str) -> Result<Law, Error> {
-        let found = Law::ALL.iter().copied().find(|law| law.name() == name);
-        found.ok_or_else(|| Error::UnknownLaw {
-            name: name.to_owned(),
-            known: join(Law::ALL.iter().map(|l| l.name())),
-        })
-    }
-
-    /// Values of an ordinary contact (micrometres, tens of mm/s), for examples, benchmarks and as a first guess.
-    pub fn example(self) -> Vec<f64> {
-        self.parameters().iter().map(|parameter| parameter.example).collect()
-    }
-
     /// The parameters, in the order in which values are given.
     pub fn parameters(self) -> &'static [Parameter] {
         match self {
@@ -192,103 +175,57 @@ impl Law {
         }
     }
 
-    /// Position of a parameter in the list.
-    ///
-    /// # Errors
-    /// [`Error::UnknownParameter`] with the names there are.
-    pub fn position(self, parameter: &str) -> Result<usize, Error> {
-        let found = self.parameters().iter().position(|candidate| candidate.name == parameter);
-        found.ok_or_else(|| Error::UnknownParameter {
-            law: self.name(),
-            parameter: parameter.to_owned(),
-            known: join(self.parameters().iter().map(|p| p.name)),
-        })
-    }
-
-    /// Whether every value lies in its parameter's range.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`] with the first that does not (NaN never does), [`Error::Count`] where their number is wrong.
-    pub fn check(self, values: &[f64]) -> Result<(), Error> {
-        let parameters = self.parameters();
-        self.check_count(values.len())?;
-        for (parameter, value) in parameters.iter().zip(values) {
-            if !parameter.range.contains(*value) {
-                return Err(Error::OutOfRange {
-                    law: self.name(),
-                    parameter: parameter.name,
-                    value: *value,
-                    unit: parameter.unit,
-                    range: parameter.range,
-                });
-            }
+    /// What the law promises; the conformance tests hold it to it.
+    pub fn claims(self) -> Claims {
+        match self {
+            Law::Coulomb => laws::coulomb::CLAIMS,
+            Law::Stribeck => laws::stribeck::CLAIMS,
+            Law::Dahl => laws::dahl::CLAIMS,
+            Law::Lugre => laws::lugre::CLAIMS,
+            Law::Hybrid => laws::hybrid::CLAIMS,
+            Law::RegularisedCoulomb(_) => laws::regularised_coulomb::CLAIMS,
+            Law::Jenkins => laws::jenkins::CLAIMS,
+            Law::Iwan => laws::iwan::CLAIMS,
+            Law::MaxwellSlip => laws::maxwell_slip::CLAIMS,
+            Law::Gms => laws::gms::CLAIMS,
+            Law::ElastoPlastic => laws::elasto_plastic::CLAIMS,
+            Law::BoucWen => laws::bouc_wen::CLAIMS,
+            Law::CattaneoMindlin => laws::cattaneo_mindlin::CLAIMS,
+            Law::Vlfm => laws::vlfm::CLAIMS,
+            Law::Sdfm => laws::sdfm::CLAIMS,
+            Law::Fbfm => laws::fbfm::CLAIMS,
+            Law::FilmStribeck => laws::film_stribeck::CLAIMS,
+            Law::FilmLugre => laws::film_lugre::CLAIMS,
         }
-        Ok(())
     }
 
-    fn check_count(self, found: usize) -> Result<(), Error> {
-        let expected = self.parameters().len();
-        if found == expected { Ok(()) } else { Err(Error::Count { law: self.name(), expected, found }) }
-    }
-
-    /// The law with these values, unchecked but for their number (a fit may step outside a range for a moment).
-    ///
-    /// # Errors
-    /// [`Error::Count`].
-    pub fn with_values<T: Scalar>(self, values: &[T]) -> Result<FrictionModel<T>, Error> {
-        let model = match self {
-            Law::Coulomb => array(values).map(laws::Coulomb::from_values).map(FrictionModel::Coulomb),
-            Law::Stribeck => array(values).map(laws::Stribeck::from_values).map(FrictionModel::Stribeck),
-            Law::Dahl => array(values).map(laws::Dahl::from_values).map(FrictionModel::Dahl),
-            Law::Lugre => array(values).map(laws::Lugre::from_values).map(FrictionModel::Lugre),
-            Law::Hybrid => array(values).map(laws::Hybrid::from_values).map(FrictionModel::Hybrid),
-            Law::RegularisedCoulomb(shape) => array(values).map(|pair| {
-                FrictionModel::RegularisedCoulomb(laws::RegularisedCoulomb::from_values(pair, shape))
-            }),
-            Law::Jenkins => array(values).map(laws::Jenkins::from_values).map(FrictionModel::Jenkins),
-            Law::Iwan => array(values).map(laws::Iwan::from_values).map(FrictionModel::Iwan),
-            Law::MaxwellSlip => {
-                array(values).map(laws::MaxwellSlip::from_values).map(FrictionModel::MaxwellSlip)
+    /// The law over values by their position in [`Law::parameters`].
+    pub(crate) fn build<T: Scalar>(self, value: impl FnMut(usize) -> T) -> FrictionModel<T> {
+        use FrictionModel as Model;
+        match self {
+            Law::Coulomb => Model::Coulomb(laws::Coulomb::from_values(from_fn(value))),
+            Law::Stribeck => Model::Stribeck(laws::Stribeck::from_values(from_fn(value))),
+            Law::Dahl => Model::Dahl(laws::Dahl::from_values(from_fn(value))),
+            Law::Lugre => Model::Lugre(laws::Lugre::from_values(from_fn(value))),
+            Law::Hybrid => Model::Hybrid(laws::Hybrid::from_values(from_fn(value))),
+            Law::RegularisedCoulomb(shape) => {
+                Model::RegularisedCoulomb(laws::RegularisedCoulomb::from_values(from_fn(value), shape))
             }
-            Law::Gms => array(values).map(laws::Gms::from_values).map(FrictionModel::Gms),
-            Law::ElastoPlastic => {
-                array(values).map(laws::ElastoPlastic::from_values).map(FrictionModel::ElastoPlastic)
-            }
-            Law::BoucWen => array(values).map(laws::BoucWen::from_values).map(FrictionModel::BoucWen),
+            Law::Jenkins => Model::Jenkins(laws::Jenkins::from_values(from_fn(value))),
+            Law::Iwan => Model::Iwan(laws::Iwan::from_values(from_fn(value))),
+            Law::MaxwellSlip => Model::MaxwellSlip(laws::MaxwellSlip::from_values(from_fn(value))),
+            Law::Gms => Model::Gms(laws::Gms::from_values(from_fn(value))),
+            Law::ElastoPlastic => Model::ElastoPlastic(laws::ElastoPlastic::from_values(from_fn(value))),
+            Law::BoucWen => Model::BoucWen(laws::BoucWen::from_values(from_fn(value))),
             Law::CattaneoMindlin => {
-                array(values).map(laws::CattaneoMindlin::from_values).map(FrictionModel::CattaneoMindlin)
+                Model::CattaneoMindlin(laws::CattaneoMindlin::from_values(from_fn(value)))
             }
-            Law::Vlfm => array(values).map(laws::Vlfm::from_values).map(FrictionModel::Vlfm),
-            Law::Sdfm => array(values).map(laws::Sdfm::from_values).map(FrictionModel::Sdfm),
-            Law::Fbfm => array(values).map(laws::Fbfm::from_values).map(FrictionModel::Fbfm),
-            Law::FilmStribeck => {
-                array(values).map(laws::FilmStribeck::from_values).map(FrictionModel::FilmStribeck)
-            }
-            Law::FilmLugre => array(values).map(laws::FilmLugre::from_values).map(FrictionModel::FilmLugre),
-        };
-        let expected = self.parameters().len();
-        model.ok_or(Error::Count { law: self.name(), expected, found: values.len() })
-    }
-
-    /// The law with values by name, all given, all in range.
-    ///
-    /// # Errors
-    /// [`Error::UnknownParameter`], [`Error::MissingParameter`], [`Error::OutOfRange`].
-    pub fn with_named(self, named: &BTreeMap<String, f64>) -> Result<FrictionModel, Error> {
-        for name in named.keys() {
-            self.position(name)?;
+            Law::Vlfm => Model::Vlfm(laws::Vlfm::from_values(from_fn(value))),
+            Law::Sdfm => Model::Sdfm(laws::Sdfm::from_values(from_fn(value))),
+            Law::Fbfm => Model::Fbfm(laws::Fbfm::from_values(from_fn(value))),
+            Law::FilmStribeck => Model::FilmStribeck(laws::FilmStribeck::from_values(from_fn(value))),
+            Law::FilmLugre => Model::FilmLugre(laws::FilmLugre::from_values(from_fn(value))),
         }
-        let value = |parameter: &Parameter| {
-            named.get(parameter.name).copied().ok_or(Error::MissingParameter {
-                law: self.name(),
-                parameter: parameter.name,
-                unit: parameter.unit,
-                range: parameter.range,
-            })
-        };
-        let values = self.parameters().iter().map(value).collect::<Result<Vec<f64>, Error>>()?;
-        self.check(&values)?;
-        self.with_values(&values)
     }
 }
 
@@ -365,20 +302,4 @@ impl<T: Scalar> FrictionModel<T> {
             FrictionModel::FilmLugre(law) => visitor.visit(law),
         }
     }
-}
-
-impl FrictionModel {
-    /// Values by name.
-    pub fn named(&self) -> BTreeMap<String, f64> {
-        let names = self.law().parameters().iter().map(|parameter| parameter.name.to_owned());
-        names.zip(self.values()).collect()
-    }
-}
-
-fn array<T: Copy, const N: usize>(values: &[T]) -> Option<[T; N]> {
-    values.try_into().ok()
-}
-
-fn join<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    names.collect::<Vec<_>>().join(", ")
 }

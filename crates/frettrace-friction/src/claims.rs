@@ -1,6 +1,4 @@
-//! What the laws promise, and are held to by the conformance tests.
-
-use crate::Law;
+//! What the laws promise, each in its file, and are held to by the conformance tests.
 
 /// What a law promises under constant normal force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,21 +15,12 @@ pub struct Claims {
 
 impl Claims {
     /// Passive, and nothing else.
-    const NONE: Claims = Claims { passive: true, rate_independent: false, masing: false, bounded: false };
-}
-
-impl Law {
-    /// What the law promises; the conformance tests hold it to it.
-    pub fn claims(self) -> Claims {
-        let memoryless = Claims { bounded: true, ..Claims::NONE };
-        let masing = Claims { rate_independent: true, masing: true, bounded: true, ..Claims::NONE };
-        match self {
-            Law::Coulomb | Law::Jenkins | Law::Iwan | Law::MaxwellSlip | Law::CattaneoMindlin => masing,
-            Law::Dahl | Law::BoucWen => Claims { masing: false, ..masing },
-            Law::RegularisedCoulomb(_) | Law::Vlfm | Law::Sdfm => memoryless,
-            Law::Fbfm => Claims { passive: false, ..memoryless },
-            Law::Stribeck | Law::Lugre | Law::Hybrid | Law::ElastoPlastic | Law::Gms => Claims::NONE,
-            Law::FilmStribeck | Law::FilmLugre => Claims::NONE,
-        }
-    }
+    pub(crate) const PASSIVE: Claims =
+        Claims { passive: true, rate_independent: false, masing: false, bounded: false };
+    /// Passive and bounded.
+    pub(crate) const BOUNDED: Claims = Claims { bounded: true, ..Claims::PASSIVE };
+    /// All but Masing's rule.
+    pub(crate) const RATE_INDEPENDENT: Claims = Claims { rate_independent: true, ..Claims::BOUNDED };
+    /// All of it.
+    pub(crate) const MASING: Claims = Claims { masing: true, ..Claims::RATE_INDEPENDENT };
 }

@@ -20,6 +20,7 @@ mod lift;
 mod march;
 pub mod masing;
 mod model;
+mod named;
 pub mod parameter;
 
 pub use bristle::{Bristle, Instant, Saturation, Steady};

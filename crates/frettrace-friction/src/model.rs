@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::{FrictionLaw, FrictionModel, Scalar, Step, Stretch, Visitor, laws, masing};
+use crate::{FrictionLaw, FrictionModel, Scalar, Step, Stretch, Visitor, masing};
 
 /// Room for the longest state, that of Masing's memory.
 const ROOM: usize = masing::LENGTH;
@@ -109,38 +109,8 @@ impl FrictionModel {
     /// The same law over another scalar.
     #[must_use]
     pub fn lift<T: Scalar>(&self) -> FrictionModel<T> {
-        use FrictionModel as Model;
-        fn over<T: Scalar, const N: usize>(values: [f64; N]) -> [T; N] {
-            values.map(T::from)
-        }
-        match self {
-            Model::Coulomb(law) => Model::Coulomb(laws::Coulomb::from_values(over(law.values()))),
-            Model::Stribeck(law) => Model::Stribeck(laws::Stribeck::from_values(over(law.values()))),
-            Model::Dahl(law) => Model::Dahl(laws::Dahl::from_values(over(law.values()))),
-            Model::Lugre(law) => Model::Lugre(laws::Lugre::from_values(over(law.values()))),
-            Model::Hybrid(law) => Model::Hybrid(laws::Hybrid::from_values(over(law.values()))),
-            Model::RegularisedCoulomb(law) => Model::RegularisedCoulomb(
-                laws::RegularisedCoulomb::from_values(over(law.values()), law.shape),
-            ),
-            Model::Jenkins(law) => Model::Jenkins(laws::Jenkins::from_values(over(law.values()))),
-            Model::Iwan(law) => Model::Iwan(laws::Iwan::from_values(over(law.values()))),
-            Model::MaxwellSlip(law) => Model::MaxwellSlip(laws::MaxwellSlip::from_values(over(law.values()))),
-            Model::Gms(law) => Model::Gms(laws::Gms::from_values(over(law.values()))),
-            Model::ElastoPlastic(law) => {
-                Model::ElastoPlastic(laws::ElastoPlastic::from_values(over(law.values())))
-            }
-            Model::BoucWen(law) => Model::BoucWen(laws::BoucWen::from_values(over(law.values()))),
-            Model::CattaneoMindlin(law) => {
-                Model::CattaneoMindlin(laws::CattaneoMindlin::from_values(over(law.values())))
-            }
-            Model::Vlfm(law) => Model::Vlfm(laws::Vlfm::from_values(over(law.values()))),
-            Model::Sdfm(law) => Model::Sdfm(laws::Sdfm::from_values(over(law.values()))),
-            Model::Fbfm(law) => Model::Fbfm(laws::Fbfm::from_values(over(law.values()))),
-            Model::FilmStribeck(law) => {
-                Model::FilmStribeck(laws::FilmStribeck::from_values(over(law.values())))
-            }
-            Model::FilmLugre(law) => Model::FilmLugre(laws::FilmLugre::from_values(over(law.values()))),
-        }
+        let values = self.values();
+        self.law().build(|position| T::from(values[position]))
     }
 }
 

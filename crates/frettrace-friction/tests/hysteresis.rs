@@ -52,34 +52,52 @@ fn jenkins_describing_function() {
         }
         // Six decimals are given; the rectangle rule with kinks adds (2π/samples)².
         assert!((sums[0] - cosine).abs() < 1e-6 && (sums[1] - sine).abs() < 1e-6, "{amplitude}: {sums:?}");
+        // The loop's area is π A times the part of the first harmonic out of phase: 4 Fs (A − Fs/kt).
+        let area = -std::f64::consts::PI * amplitude * sums[1];
+        assert!((area / (12.0 * (amplitude - 1.5)) - 1.0).abs() < 1e-6, "{amplitude}: {area}");
     }
 }
 
-/// Energy of a loop between ±amplitude: trapezoids in `strides` strides each way, after a first loop.
+/// Energy of a loop between ±amplitude, after a first loop: Gauss-Legendre with three points in each of `strides` strides each way.
 fn loop_energy<L: FrictionLaw<f64>>(law: &L, amplitude: f64, strides: usize) -> f64 {
     let slip = |k: usize| {
         let place = k % (2 * strides);
         let along = if place <= strides { place } else { 2 * strides - place };
-        // Strides shorten towards the tips, where the branches of microslip laws are steepest.
+        // Strides shorten towards the tips, where the branches of microslip laws have their broken powers.
         -amplitude * (std::f64::consts::PI * along as f64 / strides as f64).cos()
     };
     let mut state = law.step(law.rest(), &straight([0.0, -amplitude], 1.0)).0;
-    let (mut energy, mut before) = (0.0, f64::NAN);
+    let mut energy = 0.0;
     for k in 0..4 * strides {
-        let (next, force) = law.step(state, &straight([slip(k), slip(k + 1)], 1.0));
+        let (start, end) = (slip(k), slip(k + 1));
         if k >= 2 * strides {
-            energy += 0.5 * (before + force) * (slip(k + 1) - slip(k));
+            for (node, weight) in
+                [(0.112701665379258, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887298334620742, 5.0 / 18.0)]
+            {
+                let inside = straight([start, start + node * (end - start)], 1.0);
+                energy += weight * (end - start) * law.step(state, &inside).1;
+            }
         }
-        (state, before) = (next, force);
+        state = law.step(state, &straight([start, end], 1.0)).0;
     }
     energy
 }
 
-/// Segalman's law with kt = 2, Fs = 3, χ = −0.1, β = 0.1; digits from the closed forms in high precision.
+/// Segalman's law with kt = 2, Fs = 3, χ = −0.1, β = 0.1; digits from the closed forms in high precision. R and S are the strength of
+/// the distribution and the stiffness that is left to break at φ_max.
 #[test]
 fn iwan_backbone_and_dissipation() {
-    let law: Iwan<f64> = Iwan { sigma0: 2.0, mu_k: 3.0, chi: -0.1, beta: 0.1 };
-    assert!((law.full_slip() - 2.876146789).abs() < 5e-10);
+    let (chi, beta) = (-0.1_f64, 0.1);
+    let law: Iwan<f64> = Iwan { sigma0: 2.0, mu_k: 3.0, chi, beta };
+    let full = law.full_slip();
+    assert!((full - 2.876146789).abs() < 5e-10);
+    let share = beta + (chi + 1.0) / (chi + 2.0);
+    let strength = 3.0 * (chi + 1.0) / (full.powf(chi + 2.0) * share);
+    assert!((strength - 0.6323388680).abs() < 5e-10, "{strength}");
+    let shortly_before = 1e-7 * full;
+    let left = (law.backbone(full) - law.backbone(full - shortly_before)) / shortly_before;
+    // The curvature R φ_max^χ leaves a tenth of a millionth, rounding 3e-16/3e-7.
+    assert!((left - 0.1818181818).abs() < 2e-7, "{left}");
     let table = [
         (0.05, 0.278330623, 0.00165738468),
         (0.1, 0.540580035, 0.0123711567),
@@ -89,16 +107,22 @@ fn iwan_backbone_and_dissipation() {
         (1.0, 3.0, 9.82675904),
     ];
     for (share, force, dissipated) in table {
-        let amplitude = share * law.full_slip();
+        let amplitude = share * full;
         let found = law.step(law.rest(), &straight([0.0, amplitude], 1.0)).1;
-        assert!((found - force).abs() < 1e-9, "{share}: {found}");
-        let energy = loop_energy(&law, amplitude, 4000);
-        // Trapezoids leave (π/4000)² of the stored energy.
-        assert!((energy - dissipated).abs() < 2e-6 * force * amplitude, "{share}: {energy}");
+        assert!((found - force).abs() < 6e-10, "{share}: {found}");
+        let energy = loop_energy(&law, amplitude, 2000);
+        let exact = 4.0 * strength * amplitude.powf(chi + 3.0) / ((chi + 2.0) * (chi + 3.0));
+        assert!((energy / exact - 1.0).abs() < 1e-9, "{share}: {energy} {exact}");
+        assert!((energy / dissipated - 1.0).abs() < 4e-9, "{share}: {energy}"); // nine digits
     }
+    // Beyond φ_max everything slips.
+    let energy = loop_energy(&law, 1.5 * full, 2000);
+    let exact = 4.0 * strength * full.powf(chi + 3.0) / ((chi + 2.0) * (chi + 3.0)) + 4.0 * 3.0 * 0.5 * full;
+    // The corner at φ_max lies inside a stride of π/2000: its square is left.
+    assert!((energy / exact - 1.0).abs() < 3e-6, "{energy} {exact}");
 }
 
-/// Johnson's energy of partial slip.
+/// Johnson's energy of partial slip, and (4/27) μN u_s τ³ where the slip is small.
 #[test]
 fn mindlin_energy() {
     let law: CattaneoMindlin<f64> = CattaneoMindlin { mu_k: 1.0, slip_distance: 1.0 };
@@ -110,11 +134,20 @@ fn mindlin_energy() {
         (0.9, 0.320990646),
         (1.0, 0.8),
     ];
+    let exact = |tau: f64| {
+        let p = 1.0 - tau;
+        let third = p.powf(2.0 / 3.0);
+        4.8 * (1.0 - p * third - 5.0 * tau / 6.0 * (1.0 + third))
+    };
     for (tau, expected) in table {
         let amplitude = 1.0 - f64::powf(1.0 - tau, 2.0 / 3.0);
-        let energy = loop_energy(&law, amplitude, 8000);
-        assert!((energy - expected).abs() < 1e-6 * tau * amplitude, "{tau}: {energy}");
+        let energy = loop_energy(&law, amplitude, 2000);
+        assert!((energy / exact(tau) - 1.0).abs() < 1e-9, "{tau}: {energy} {}", exact(tau));
+        assert!((energy / expected - 1.0).abs() < 4e-9, "{tau}: {energy}"); // nine digits
     }
+    // The next term of the series is of the relative size τ.
+    let energy = loop_energy(&law, 1.0 - f64::powf(1.0 - 1e-3, 2.0 / 3.0), 2000);
+    assert!((energy / (4.0 / 27.0 * 1e-9) - 1.0).abs() < 1e-3, "{energy}");
 }
 
 /// Radius, load and limit displacement of the sphere in tmd-lab/microslip-rough-contact: our numbers for the formulas

@@ -97,3 +97,46 @@ fn relatives_of_coulomb_and_maxwell_slip() {
         Gms { stiffness, weight, attraction: 1e4, sigma2: 0.0, mu_s: 0.4, mu_k: 0.4, v_s: 1e-4, delta: 2.0 };
     assert!(distance(gms, MaxwellSlip { stiffness, limit: weight }) < 1e-12);
 }
+
+/// Stiffness without bound leaves the sliders alone.
+#[test]
+fn stiff_laws_are_rigid_ones() {
+    let coulomb = Coulomb { mu_k: 0.4 };
+    // As for Dahl above: the share of samples inside the elastic part falls with the root of its length.
+    let near = |name: &str, found: f64| assert!(found < 2e-3, "{name}: {found}");
+    near("jenkins", distance(Jenkins { tangential_stiffness: 1e15, mu_k: 0.4 }, coulomb));
+    near("maxwell-slip", distance(MaxwellSlip { stiffness: [1e13; 2], limit: [0.1, 0.3] }, coulomb));
+    near("iwan", distance(Iwan { sigma0: 1e13, mu_k: 0.4, chi: -0.5, beta: 0.5 }, coulomb));
+    near("bouc-wen", distance(BoucWen { sigma0: 1e13, mu_k: 0.4, sharpness: 1.5, beta: 0.7 }, coulomb));
+    let sdfm = Sdfm { tangential_stiffness: 1e15, tangential_damping: 0.0, mu_s: 0.6, mu_k: 0.4 };
+    near("sdfm", distance(sdfm, coulomb)); // stiction is over within a sample
+    let stribeck = Stribeck { mu_s: 0.6, mu_k: 0.4, v_s: 1e-4, delta: 2.0, sigma2: 30.0 };
+    let wet = Lugre { sigma0: 1e13, sigma2: 30.0, mu_s: 0.6, ..lugre() };
+    near("hybrid", distance(Hybrid { lugre: wet, breakaway: 0.5 }, stribeck));
+    let film = Film { mu_s: 0.6, mu_k: 0.4, v_s: 1e-4, delta: 2.0, v_b: 1e-3, tau: [1e-2, 3e-2, 1.0] };
+    let rigid = FilmStribeck { film, sigma2: 30.0, inertia: 1e-3 };
+    let bristle = FilmLugre { sigma0: 1e13, sigma1: 0.0, film, sigma2: 30.0, inertia: 1e-3 };
+    near("film-lugre", distance(bristle, rigid));
+}
+
+/// A drop that is over at once, a ramp that is never left, and a distribution of sliders that begins at zero.
+#[test]
+fn the_other_ends() {
+    let sudden = Stribeck { mu_s: 0.6, mu_k: 0.4, v_s: 1e-12, delta: 2.0, sigma2: 0.0 };
+    assert!(distance(sudden, Coulomb { mu_k: 0.4 }) < 1e-12);
+    for (shape, factor) in [
+        (Shape::Tanh, 1.0),
+        (Shape::Arctan, std::f64::consts::FRAC_2_PI),
+        (Shape::Algebraic, 1.0),
+        (Shape::Linear, 1.0),
+    ] {
+        // Speeds reach 4e-4 m/s: the force is 2e-7 of the normal force, and the cube of 4e-7 is not seen.
+        let ramp = RegularisedCoulomb { mu_k: 0.4, v_ref: 1e3, shape };
+        let damper =
+            Stribeck { mu_s: 0.0, mu_k: 0.0, v_s: 1.0, delta: 1.0, sigma2: 0.4 * 100.0 * factor / 1e3 };
+        assert!(distance(ramp, damper) < 1e-18, "{shape:?}");
+    }
+    let early = Iwan { sigma0: 5e5, mu_k: 0.4, chi: -1.0 + 1e-9, beta: 0.5 };
+    let jenkins = Jenkins { tangential_stiffness: 5e7 * 0.5 / 1.5, mu_k: 0.4 };
+    assert!(distance(early, jenkins) < 1e-7);
+}

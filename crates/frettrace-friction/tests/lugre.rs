@@ -175,6 +175,37 @@ fn friction_lags_behind_velocity() {
     }
 }
 
+/// `F = μ(v) N sgn v + σ2 v` once the bristle has bent: at 1.5 mm/s between the branches of the loop above, and with exponent 1
+/// (Åström and Canudas de Wit 2008, fig. 2).
+#[test]
+fn steady_slip_is_the_stribeck_curve() {
+    let exponent_one = Lugre {
+        sigma0: 1.47e6,
+        sigma1: 2.42e3,
+        v_d: f64::INFINITY,
+        sigma2: 0.0,
+        mu_s: 5.88,
+        mu_k: 2.94,
+        v_s: 1e-3,
+        delta: 1.0,
+    };
+    let settled = |law: Lugre<f64>, velocity: f64| {
+        let step =
+            Step { slip: [0.0, 100.0 * velocity], velocity: [velocity; 2], normal: [1.0; 2], dt: 100.0 };
+        law.step(law.rest(), &step).1
+    };
+    assert!((settled(canonical(), 1.5e-3) - 1.0532996).abs() < 5e-8);
+    for velocity in [2e-4, -1e-3, 5e-3] {
+        let curve = |law: Lugre<f64>, decay: f64| {
+            (law.mu_k + (law.mu_s - law.mu_k) * decay).copysign(velocity) + law.sigma2 * velocity
+        };
+        let ratio = velocity.abs() / 1e-3;
+        let (square, linear) = (settled(canonical(), velocity), settled(exponent_one, velocity));
+        assert!((square - curve(canonical(), (-ratio * ratio).exp())).abs() < 1e-13, "{velocity}: {square}");
+        assert!((linear - curve(exponent_one, (-ratio).exp())).abs() < 1e-13, "{velocity}: {linear}");
+    }
+}
+
 /// The spring of 2 N/m pulled at 0.1 m/s; reference: Radau with tolerance 1e-9.
 #[test]
 fn stick_slip_reference_run() {

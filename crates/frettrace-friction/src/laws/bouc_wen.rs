@@ -18,7 +18,8 @@
 //! n = 1, β = 1: Dahl with exponent 1. n → ∞ (β = 1/2): Jenkins. σ0 → ∞: Coulomb.
 //!
 //! # Energy per cycle
-//! Dahl's at that limit; else by quadrature.
+//! n = 1, with `c = 2β − 1`, `a = σ0 A/μ_k` and the tip force `t μ_k N`: `2a = ln(1 + ct)/c − ln(1 − t)`, energy
+//! `2 (μ_k² N/σ0) [ln(1 + ct)/c² − t/c − ln(1 − t) − t]`, which is Dahl's for β = 1. Else by quadrature.
 //!
 //! # What it cannot show
 //! Stribeck effect, any dependence on velocity. Not every parameter set dissipates: β ≥ 1/2 does.
@@ -40,7 +41,7 @@ use nalgebra::SVector;
 use num_dual::{Derivative, DualSVec64};
 
 use crate::parameter::{MU_K, Parameter, Range, SIGMA0};
-use crate::{FrictionLaw, Scalar, Step, lift, positive_part};
+use crate::{Claims, FrictionLaw, Scalar, Step, lift, positive_part};
 
 /// Parameters of the Bouc-Wen law.
 #[derive(Clone, Copy, Debug)]
@@ -62,6 +63,9 @@ pub(crate) const PARAMETERS: &[Parameter] = &[
     Parameter::new("sharpness", "1", Range::half_open(1.0, 50.0), 1.5),
     Parameter::new("beta", "1", Range { high_allowed: true, ..Range::half_open(0.5, 3.0) }, 0.7),
 ];
+
+/// What the law promises.
+pub(crate) const CLAIMS: Claims = Claims::RATE_INDEPENDENT;
 
 /// Relaxation lengths in one Runge-Kutta step, and those after which the start is forgotten.
 const STRIDE: f64 = 0.1;

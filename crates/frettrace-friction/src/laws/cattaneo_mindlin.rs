@@ -18,7 +18,7 @@
 //!
 //! # Energy per cycle
 //! With `τ` = force amplitude over μ_k N and `p = 1 − τ`: `4.8 μ_k N u_s {1 − p^{5/3} − (5τ/6)(1 + p^{2/3})}`; for small
-//! τ `(4/27) μ_k N u_s τ³`.
+//! τ `(4/27) μ_k N u_s τ³`; beyond u_s, `0.8 μ_k N u_s + 4 μ_k N (A − u_s)`.
 //!
 //! # What it cannot show
 //! Stribeck effect, dependence on velocity. A varying normal force scales the whole loop; the true contact remembers
@@ -38,7 +38,7 @@
 
 use crate::masing::{self, Memory};
 use crate::parameter::{MU_K, Parameter, Range};
-use crate::{FrictionLaw, Scalar, Step, positive_part};
+use crate::{Claims, FrictionLaw, Scalar, Step, positive_part};
 
 /// Parameters of the Cattaneo-Mindlin law.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +52,9 @@ pub struct CattaneoMindlin<T> {
 /// The parameters in order.
 pub(crate) const PARAMETERS: &[Parameter] =
     &[MU_K, Parameter::new("slip_distance", "m", Range::POSITIVE, 1e-6)];
+
+/// What the law promises.
+pub(crate) const CLAIMS: Claims = Claims::MASING;
 
 impl<T: Scalar> CattaneoMindlin<T> {
     pub(crate) fn from_values([mu_k, slip_distance]: [T; 2]) -> Self {

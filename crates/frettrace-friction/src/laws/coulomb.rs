@@ -33,7 +33,7 @@
 //! ```
 
 use crate::parameter::{MU_K, Parameter};
-use crate::{FrictionLaw, Scalar, Step, positive_part, sign};
+use crate::{Claims, FrictionLaw, Scalar, Step, positive_part, sign};
 
 /// Parameters of the Coulomb law.
 #[derive(Clone, Copy, Debug)]
@@ -44,6 +44,9 @@ pub struct Coulomb<T> {
 
 /// The parameters in order.
 pub(crate) const PARAMETERS: &[Parameter] = &[MU_K];
+
+/// What the law promises.
+pub(crate) const CLAIMS: Claims = Claims::MASING;
 
 impl<T: Scalar> Coulomb<T> {
     pub(crate) fn from_values([mu_k]: [T; 1]) -> Self {

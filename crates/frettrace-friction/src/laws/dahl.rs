@@ -19,7 +19,10 @@
 //! `ξ = 1/(1 − i)`.
 //!
 //! # Energy per cycle
-//! i = 1, amplitude `A`, `a = σ0 A/μ_k`: tip force `μ_k N tanh a`, energy `4 (μ_k² N/σ0)(a − tanh a)`.
+//! i = 1, amplitude `A`, `a = σ0 A/μ_k`: tip force `μ_k N tanh a`, energy `4 (μ_k² N/σ0)(a − tanh a)`. Any i, by the tip
+//! force `t μ_k N`: `a = [(1 + t)^{1−i} − (1 − t)^{1−i}]/(2(1 − i))` and
+//! `(μ_k² N/σ0) {4a − 2[(1 + t)^{2−i} − (1 − t)^{2−i}]/(2 − i)}`, with `ln((1 + t)/(1 − t))` for the quotient whose power is 0;
+//! for i < 1 and t = 1, `4 μ_k N` for each metre more.
 //!
 //! # What it cannot show
 //! Stiction peak, Stribeck effect, any dependence on velocity. Minor loops do not close and the bristle drifts under a
@@ -38,7 +41,7 @@
 //! ```
 
 use crate::parameter::{EXPONENT, MU_K, Parameter, SIGMA0};
-use crate::{Bristle, FrictionLaw, Saturation, Scalar, Step};
+use crate::{Bristle, Claims, FrictionLaw, Saturation, Scalar, Step};
 
 /// Parameters of the Dahl law.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +56,9 @@ pub struct Dahl<T> {
 
 /// The parameters in order.
 pub(crate) const PARAMETERS: &[Parameter] = &[SIGMA0, MU_K, EXPONENT];
+
+/// What the law promises.
+pub(crate) const CLAIMS: Claims = Claims::RATE_INDEPENDENT;
 
 impl<T: Scalar> Dahl<T> {
     pub(crate) fn from_values([sigma0, mu_k, exponent]: [T; 3]) -> Self {

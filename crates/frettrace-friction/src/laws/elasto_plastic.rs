@@ -22,7 +22,7 @@
 //! The hybrid law with v_d → ∞. b → 1: Jenkins with the Stribeck level.
 //!
 //! # Energy per cycle
-//! As hybrid; 0 below `b μ/σ0` when σ1 = σ2 = 0.
+//! As hybrid: 0 for slip amplitudes up to `b μ/σ0` (σ1 = σ2 = 0), → `4 μ N (A − μ/σ0)` for b → 1 and constant μ.
 //!
 //! # What it cannot show
 //! Non-local memory. Presliding damping that dies with slip.
@@ -43,7 +43,7 @@
 //! ```
 
 use crate::parameter::{BREAKAWAY, DELTA, MU_K, MU_S, Parameter, SIGMA0, SIGMA1, SIGMA2, V_S};
-use crate::{Bristle, FrictionLaw, Saturation, Scalar, Steady, Step};
+use crate::{Bristle, Claims, FrictionLaw, Saturation, Scalar, Steady, Step};
 
 /// Parameters of the elasto-plastic law.
 #[derive(Clone, Copy, Debug)]
@@ -68,6 +68,9 @@ pub struct ElastoPlastic<T> {
 
 /// The parameters in order.
 pub(crate) const PARAMETERS: &[Parameter] = &[SIGMA0, SIGMA1, SIGMA2, MU_S, MU_K, V_S, DELTA, BREAKAWAY];
+
+/// What the law promises.
+pub(crate) const CLAIMS: Claims = Claims::PASSIVE;
 
 impl<T: Scalar> ElastoPlastic<T> {
     pub(crate) fn from_values([sigma0, sigma1, sigma2, mu_s, mu_k, v_s, delta, breakaway]: [T; 8]) -> Self {

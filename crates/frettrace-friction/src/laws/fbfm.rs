@@ -39,7 +39,7 @@
 
 use crate::laws::jenkins::limited;
 use crate::parameter::{MU_K, MU_S, Parameter, Range, V_REF};
-use crate::{FrictionLaw, Scalar, Step, positive_part, sign};
+use crate::{Claims, FrictionLaw, Scalar, Step, positive_part, sign};
 
 /// Parameters of the force-balance law.
 #[derive(Clone, Copy, Debug)]
@@ -57,6 +57,9 @@ pub struct Fbfm<T> {
 /// The parameters in order.
 pub(crate) const PARAMETERS: &[Parameter] =
     &[MU_S, MU_K, V_REF, Parameter::new("moving_mass", "kg", Range::POSITIVE, 1.0)];
+
+/// Not passive: inside the band it follows the motion of the mass.
+pub(crate) const CLAIMS: Claims = Claims { passive: false, ..Claims::BOUNDED };
 
 impl<T: Scalar> Fbfm<T> {
     pub(crate) fn from_values([mu_s, mu_k, v_ref, moving_mass]: [T; 4]) -> Self {

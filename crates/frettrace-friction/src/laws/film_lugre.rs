@@ -9,9 +9,11 @@
 //! |---|---|---|---|
 //! | σ0 | `sigma0` | 1/m | > 0 |
 //! | σ1 | `sigma1` | s/m | ≥ 0 |
-//! | μ_s, μ_k, v_s, δ | `film` | | as in LuGre |
-//! | v_b | `film.v_b` | m/s | > 0 |
-//! | τ | `film.tau` | s | > 0: growth, decay, rest |
+//! | μ_s, μ_k | `film.mu_s`, `film.mu_k` | 1 | > 0 |
+//! | v_s | `film.v_s` | m/s | > 0 |
+//! | δ | `film.delta` | 1 | 0 … 20 |
+//! | v_b | `film.v_b` | m/s | > 0, velocity of the full film |
+//! | τ | `film.tau`; in files `tau_growth`, `tau_decay`, `tau_rest` | s | > 0 |
 //! | σ2 | `sigma2` | N·s/m | ≥ 0 |
 //! | T | `inertia` | s | ≥ 0 |
 //!
@@ -22,7 +24,7 @@
 //! τ → ∞ from rest, T = 0: LuGre with constant σ1. σ0 → ∞: the modified Stribeck law.
 //!
 //! # Energy per cycle
-//! By quadrature.
+//! No closed form; the inertia takes none in a closed cycle.
 //!
 //! # What it cannot show
 //! Purely elastic presliding (see LuGre).
@@ -45,7 +47,7 @@
 
 use crate::film::{Film, INERTIA, TAU_DECAY, TAU_GROWTH, TAU_REST, V_B, acceleration};
 use crate::parameter::{DELTA, MU_K, MU_S, Parameter, SIGMA0, SIGMA1, SIGMA2, V_S};
-use crate::{Bristle, FrictionLaw, Scalar, Step};
+use crate::{Bristle, Claims, FrictionLaw, Scalar, Step};
 
 /// Parameters of the modified LuGre law.
 #[derive(Clone, Copy, Debug)]
@@ -65,6 +67,9 @@ pub struct FilmLugre<T> {
 /// The parameters in order.
 pub(crate) const PARAMETERS: &[Parameter] =
     &[SIGMA0, SIGMA1, MU_S, MU_K, V_S, DELTA, V_B, TAU_GROWTH, TAU_DECAY, TAU_REST, SIGMA2, INERTIA];
+
+/// What the law promises.
+pub(crate) const CLAIMS: Claims = Claims::PASSIVE;
 
 impl<T: Scalar> FilmLugre<T> {
     pub(crate) fn from_values(values: [T; 12]) -> Self {

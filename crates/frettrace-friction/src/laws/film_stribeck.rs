@@ -6,9 +6,11 @@
 //! # Parameters
 //! | symbol | field | unit | range |
 //! |---|---|---|---|
-//! | μ_s, μ_k, v_s, δ | `film` | | as in LuGre |
-//! | v_b | `film.v_b` | m/s | > 0 |
-//! | τ | `film.tau` | s | > 0: growth, decay, rest |
+//! | μ_s, μ_k | `film.mu_s`, `film.mu_k` | 1 | > 0 |
+//! | v_s | `film.v_s` | m/s | > 0 |
+//! | δ | `film.delta` | 1 | 0 … 20 |
+//! | v_b | `film.v_b` | m/s | > 0, velocity of the full film |
+//! | τ | `film.tau`; in files `tau_growth`, `tau_decay`, `tau_rest` | s | > 0 |
 //! | σ2 | `sigma2` | N·s/m | ≥ 0 |
 //! | T | `inertia` | s | ≥ 0 |
 //!
@@ -19,7 +21,7 @@
 //! τ → ∞ from rest, T = 0: Stribeck. τ → 0: Stribeck with `(1 − h_ss(v)) μ_s` in the place of μ_s.
 //!
 //! # Energy per cycle
-//! By quadrature.
+//! No closed form but for a film that does not change, where it is Stribeck's; the inertia takes none in a closed cycle.
 //!
 //! # What it cannot show
 //! Elastic presliding.
@@ -42,7 +44,7 @@
 use crate::film::{Film, INERTIA, TAU_DECAY, TAU_GROWTH, TAU_REST, V_B, acceleration};
 use crate::laws::coulomb::sense;
 use crate::parameter::{DELTA, MU_K, MU_S, Parameter, SIGMA2, V_S};
-use crate::{FrictionLaw, Scalar, Step, positive_part};
+use crate::{Claims, FrictionLaw, Scalar, Step, positive_part};
 
 /// Parameters of the modified Stribeck law.
 #[derive(Clone, Copy, Debug)]
@@ -58,6 +60,9 @@ pub struct FilmStribeck<T> {
 /// The parameters in order.
 pub(crate) const PARAMETERS: &[Parameter] =
     &[MU_S, MU_K, V_S, DELTA, V_B, TAU_GROWTH, TAU_DECAY, TAU_REST, SIGMA2, INERTIA];
+
+/// What the law promises.
+pub(crate) const CLAIMS: Claims = Claims::PASSIVE;
 
 impl<T: Scalar> FilmStribeck<T> {
     pub(crate) fn from_values(values: [T; 10]) -> Self {

@@ -11,7 +11,9 @@
 //! | w_i | `weight` | 1 | > 0 |
 //! | C | `attraction` | 1/s | > 0 |
 //! | σ2 | `sigma2` | N·s/m | ≥ 0 |
-//! | μ_s, μ_k, v_s, δ | | | as in LuGre |
+//! | μ_s, μ_k | `mu_s`, `mu_k` | 1 | > 0 |
+//! | v_s | `v_s` | m/s | > 0 |
+//! | δ | `delta` | 1 | 0 … 20 |
 //!
 //! # State
 //! For each element its force per newton and the sense in which it slips (0: it sticks).
@@ -20,7 +22,7 @@
 //! μ_s = μ_k and σ2 = 0: Maxwell-slip. C → ∞: no lag. Steady slip: `μ(v) N sgn v + σ2 v`.
 //!
 //! # Energy per cycle
-//! Maxwell-slip's at that limit.
+//! No closed form but Maxwell-slip's at that limit.
 //!
 //! # What it cannot show
 //! A breakaway force that depends on the rate of loading otherwise than through C.
@@ -42,7 +44,7 @@
 
 use crate::bristle::stribeck;
 use crate::parameter::{DELTA, MU_K, MU_S, Parameter, Range, SIGMA2, V_S};
-use crate::{FrictionLaw, Scalar, Step, Stroke, positive_part};
+use crate::{Claims, FrictionLaw, Scalar, Step, Stroke, positive_part};
 
 const ELEMENTS: usize = 4;
 
@@ -84,6 +86,9 @@ pub(crate) const PARAMETERS: &[Parameter] = &[
     V_S,
     DELTA,
 ];
+
+/// What the law promises.
+pub(crate) const CLAIMS: Claims = Claims::PASSIVE;
 
 impl<T: Scalar> Gms<T> {
     pub(crate) fn from_values(values: [T; 14]) -> Self {

@@ -6,10 +6,15 @@
 //! is purely elastic.
 //!
 //! # Parameters
-//! Those of LuGre and
-//!
 //! | symbol | field | unit | range |
 //! |---|---|---|---|
+//! | σ0 | `lugre.sigma0` | 1/m | > 0 |
+//! | σ1 | `lugre.sigma1` | s/m | ≥ 0 |
+//! | v_d | `lugre.v_d` | m/s | > 0, infinite: constant σ1 |
+//! | σ2 | `lugre.sigma2` | N·s/m | ≥ 0 |
+//! | μ_s, μ_k | `lugre.mu_s`, `lugre.mu_k` | 1 | > 0 |
+//! | v_s | `lugre.v_s` | m/s | > 0 |
+//! | δ | `lugre.delta` | 1 | 0 … 20 |
 //! | b | `breakaway` | 1 | 0 ≤ b < 1, elastic share of the steady deflection |
 //!
 //! # State
@@ -44,7 +49,7 @@
 
 use super::lugre;
 use crate::parameter::{BREAKAWAY, Parameter};
-use crate::{Bristle, FrictionLaw, Saturation, Scalar, Step};
+use crate::{Bristle, Claims, FrictionLaw, Saturation, Scalar, Step};
 
 use super::Lugre;
 
@@ -62,6 +67,9 @@ const BASE: &[Parameter] = lugre::PARAMETERS;
 /// The parameters in order.
 pub(crate) const PARAMETERS: &[Parameter] =
     &[BASE[0], BASE[1], BASE[2], BASE[3], BASE[4], BASE[5], BASE[6], BASE[7], BREAKAWAY];
+
+/// What the law promises.
+pub(crate) const CLAIMS: Claims = Claims::PASSIVE;
 
 impl<T: Scalar> Hybrid<T> {
     pub(crate) fn from_values([a, b, c, d, e, f, g, h, breakaway]: [T; 9]) -> Self {

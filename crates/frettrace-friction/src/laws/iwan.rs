@@ -17,8 +17,8 @@
 //! Slip, force per newton and up to six turning points: the exact hysteresis, no sum over sliders.
 //!
 //! # Limits
-//! β → ∞: Jenkins with k_t = σ0 N. χ → −1: microslip at once, dissipation with the square of the amplitude. σ0 → ∞:
-//! Coulomb.
+//! β → ∞: Jenkins with k_t = σ0 N. χ → −1: the weak elements have no strength left, Jenkins with k_t = σ0 N β/(1 + β).
+//! σ0 → ∞: Coulomb.
 //!
 //! # Energy per cycle
 //! `4 N R A^{χ+3}/((χ+2)(χ+3))` for `A < φ_max`; beyond, `4 μ_k N (A − φ_max)` more.
@@ -40,7 +40,7 @@
 
 use crate::masing::{self, Memory};
 use crate::parameter::{MU_K, Parameter, Range, SIGMA0};
-use crate::{FrictionLaw, Scalar, Step, positive_part};
+use crate::{Claims, FrictionLaw, Scalar, Step, positive_part};
 
 /// Parameters of the four-parameter Iwan law.
 #[derive(Clone, Copy, Debug)]
@@ -62,6 +62,9 @@ pub(crate) const PARAMETERS: &[Parameter] = &[
     Parameter::new("chi", "1", Range { low: -1.0, low_allowed: false, high: 2.0, high_allowed: true }, -0.5),
     Parameter::new("beta", "1", Range::NOT_NEGATIVE, 0.5),
 ];
+
+/// What the law promises.
+pub(crate) const CLAIMS: Claims = Claims::MASING;
 
 impl<T: Scalar> Iwan<T> {
     pub(crate) fn from_values([sigma0, mu_k, chi, beta]: [T; 4]) -> Self {

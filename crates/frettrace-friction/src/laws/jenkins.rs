@@ -35,7 +35,7 @@
 //! ```
 
 use crate::parameter::{MU_K, Parameter, STIFFNESS};
-use crate::{FrictionLaw, Scalar, Step, positive_part};
+use crate::{Claims, FrictionLaw, Scalar, Step, positive_part};
 
 /// Parameters of the Jenkins element.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +48,9 @@ pub struct Jenkins<T> {
 
 /// The parameters in order.
 pub(crate) const PARAMETERS: &[Parameter] = &[STIFFNESS, MU_K];
+
+/// What the law promises.
+pub(crate) const CLAIMS: Claims = Claims::MASING;
 
 impl<T: Scalar> Jenkins<T> {
     pub(crate) fn from_values([tangential_stiffness, mu_k]: [T; 2]) -> Self {

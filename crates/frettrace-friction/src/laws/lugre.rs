@@ -48,7 +48,7 @@
 use std::ops::ControlFlow;
 
 use crate::parameter::{DELTA, MU_K, MU_S, Parameter, SIGMA0, SIGMA1, SIGMA2, V_D, V_S};
-use crate::{Bristle, FrictionLaw, Saturation, Scalar, Steady, Step, Stretch};
+use crate::{Bristle, Claims, FrictionLaw, Saturation, Scalar, Steady, Step, Stretch};
 
 /// Parameters of the LuGre law.
 #[derive(Clone, Copy, Debug)]
@@ -73,6 +73,9 @@ pub struct Lugre<T> {
 
 /// The parameters in order.
 pub(crate) const PARAMETERS: &[Parameter] = &[SIGMA0, SIGMA1, V_D, SIGMA2, MU_S, MU_K, V_S, DELTA];
+
+/// What the law promises.
+pub(crate) const CLAIMS: Claims = Claims::PASSIVE;
 
 impl<T: Scalar> Lugre<T> {
     pub(crate) fn from_values([sigma0, sigma1, v_d, sigma2, mu_s, mu_k, v_s, delta]: [T; 8]) -> Self {

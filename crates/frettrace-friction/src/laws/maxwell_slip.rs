@@ -35,7 +35,7 @@
 
 use crate::laws::jenkins::limited;
 use crate::parameter::{Parameter, Range};
-use crate::{FrictionLaw, Scalar, Step, positive_part};
+use crate::{Claims, FrictionLaw, Scalar, Step, positive_part};
 
 /// Parameters of the Maxwell-slip law with `E` elements; the catalogue's has four.
 #[derive(Clone, Copy, Debug)]
@@ -64,6 +64,9 @@ pub(crate) const PARAMETERS: &[Parameter] = &[
     Parameter::new("limit_3", "1", Range::POSITIVE, 0.12),
     Parameter::new("limit_4", "1", Range::POSITIVE, 0.2),
 ];
+
+/// What the law promises.
+pub(crate) const CLAIMS: Claims = Claims::MASING;
 
 impl<T: Scalar> MaxwellSlip<T, 4> {
     pub(crate) fn from_values([k1, k2, k3, k4, w1, w2, w3, w4]: [T; 8]) -> Self {

@@ -16,7 +16,9 @@
 //! v_ref → 0: Coulomb. v_ref → ∞: a viscous damper `μ_k N v/v_ref` (arctan: times 2/π).
 //!
 //! # Energy per cycle
-//! Below Coulomb's `4 μ_k N A`; for harmonic slip and the algebraic curve a complete elliptic integral.
+//! Below Coulomb's `4 μ_k N A`. For harmonic slip, in units of it and with `w = ω A/v_ref`: arctan `(√(1 + w²) − 1)/w`; algebraic
+//! `[√(1 + w²) E(m) − K(m)/√(1 + w²)]/w`, complete elliptic integrals of the parameter `m = w²/(1 + w²)`; clipped
+//! `sin θ + (w/2)(π/2 − θ − sin θ cos θ)` with `cos θ = 1/w`, `θ = 0` for `w ≤ 1`; tanh by quadrature.
 //!
 //! # What it cannot show
 //! Sticking: under any force, however small, the contact creeps. No elastic presliding.
@@ -37,7 +39,7 @@ use std::f64::consts::FRAC_2_PI;
 
 use crate::laws::jenkins::limited;
 use crate::parameter::{MU_K, Parameter, V_REF};
-use crate::{FrictionLaw, Scalar, Step, positive_part};
+use crate::{Claims, FrictionLaw, Scalar, Step, positive_part};
 
 /// The curve that replaces the sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -65,6 +67,9 @@ pub struct RegularisedCoulomb<T> {
 
 /// The parameters in order.
 pub(crate) const PARAMETERS: &[Parameter] = &[MU_K, V_REF];
+
+/// What the law promises.
+pub(crate) const CLAIMS: Claims = Claims::BOUNDED;
 
 impl<T: Scalar> RegularisedCoulomb<T> {
     pub(crate) fn from_values([mu_k, v_ref]: [T; 2], shape: Shape) -> Self {

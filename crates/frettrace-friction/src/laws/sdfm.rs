@@ -2,7 +2,8 @@
 //!
 //! # Equation
 //! Stick: `F_t = S + c_t v`, `dS = k_t du`, until `|F_t| = μ_s N⁺`. Slide: `F_t = μ_k N⁺ sgn(v)` until the velocity
-//! reverses; then stick again with the spring loaded by the friction force at the reversal.
+//! reverses; then stick again with the spring loaded by the friction force at the reversal. Where a falling normal force ends stick
+//! against the sense of the slip, the spring goes back to `μ_k N⁺` and sticks again.
 //!
 //! # Parameters
 //! | symbol | field | unit | range |
@@ -19,7 +20,8 @@
 //! μ_s = μ_k, c_t = 0: Jenkins. k_t → ∞: Coulomb with stiction.
 //!
 //! # Energy per cycle
-//! Jenkins' at that limit.
+//! Stick throughout: `π c_t ω A²` in harmonic slip. With sliding and c_t = 0:
+//! `4 μ_k N A + (μ_s + μ_k)(μ_s − 3 μ_k) N²/k_t`, which is Jenkins' for μ_s = μ_k.
 //!
 //! # What it cannot show
 //! Partial slip; a Stribeck curve (it has only a drop).
@@ -38,7 +40,7 @@
 //! ```
 
 use crate::parameter::{MU_K, MU_S, Parameter, Range, STIFFNESS};
-use crate::{FrictionLaw, Scalar, Step, Stroke, positive_part};
+use crate::{Claims, FrictionLaw, Scalar, Step, Stroke, positive_part};
 
 /// Parameters of the spring-damper law.
 #[derive(Clone, Copy, Debug)]
@@ -57,6 +59,9 @@ pub struct Sdfm<T> {
 pub(crate) const PARAMETERS: &[Parameter] =
     &[STIFFNESS, Parameter::new("tangential_damping", "N·s/m", Range::NOT_NEGATIVE, 100.0), MU_S, MU_K];
 
+/// What the law promises.
+pub(crate) const CLAIMS: Claims = Claims::BOUNDED;
+
 impl<T: Scalar> Sdfm<T> {
     pub(crate) fn from_values([tangential_stiffness, tangential_damping, mu_s, mu_k]: [T; 4]) -> Self {
         Self { tangential_stiffness, tangential_damping, mu_s, mu_k }
@@ -74,8 +79,12 @@ impl<T: Scalar> Sdfm<T> {
         }
         let loaded = spring + self.tangential_stiffness * stroke.travel;
         let force = loaded + self.tangential_damping * stroke.velocity[2];
-        if force.re() * stroke.direction >= self.mu_s.re() * normal.re() {
+        let (along, limit) = (force.re() * stroke.direction, self.mu_s.re() * normal.re());
+        if along >= limit {
             ([kinetic, T::from(stroke.direction)], kinetic)
+        } else if along < -limit {
+            // A falling normal force no longer holds the spring that an earlier stroke has loaded: it springs back.
+            ([-kinetic, T::from(0.0)], -kinetic)
         } else {
             ([loaded, T::from(0.0)], force)
         }

@@ -19,8 +19,9 @@
 //! μ_s = μ_k, σ2 = 0: Coulomb. v_s → 0: Coulomb with a higher force at rest only. The limit σ0 → ∞ of LuGre.
 //!
 //! # Energy per cycle
-//! `∮ (μ(v) N |v| + σ2 v²) dt`; between `4 min(μ_k, μ_s) N A` and `4 max(μ_k, μ_s) N A`, and `π σ2 ω A²` more in
-//! harmonic slip.
+//! `∮ (μ(v) N |v| + σ2 v²) dt`. For harmonic slip and δ = 2, with `w = ω A/v_s` and Dawson's integral `D`:
+//! `4 N A [μ_k + (μ_s − μ_k) D(w)/w] + π σ2 ω A²`. For any δ the dry part lies between `4 min(μ_k, μ_s) N A` and
+//! `4 max(μ_k, μ_s) N A`.
 //!
 //! # What it cannot show
 //! Elastic presliding; lag of friction behind velocity; a breakaway force that depends on the rate of loading.
@@ -41,7 +42,7 @@
 use crate::bristle::stribeck;
 use crate::laws::coulomb::sense;
 use crate::parameter::{DELTA, MU_K, MU_S, Parameter, SIGMA2, V_S};
-use crate::{FrictionLaw, Scalar, Step, positive_part};
+use crate::{Claims, FrictionLaw, Scalar, Step, positive_part};
 
 /// Parameters of the Stribeck law.
 #[derive(Clone, Copy, Debug)]
@@ -60,6 +61,9 @@ pub struct Stribeck<T> {
 
 /// The parameters in order.
 pub(crate) const PARAMETERS: &[Parameter] = &[MU_S, MU_K, V_S, DELTA, SIGMA2];
+
+/// What the law promises.
+pub(crate) const CLAIMS: Claims = Claims::PASSIVE;
 
 impl<T: Scalar> Stribeck<T> {
     pub(crate) fn from_values([mu_s, mu_k, v_s, delta, sigma2]: [T; 5]) -> Self {

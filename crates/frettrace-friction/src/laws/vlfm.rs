@@ -17,7 +17,8 @@
 //! v_0 → 0: Coulomb.
 //!
 //! # Energy per cycle
-//! Below `4 μ_k N A`, by quadrature.
+//! Below Coulomb's `4 μ_k N A`; for harmonic slip, in units of it, with `w = ω A/v_0` and `cos θ = 1/w` (`θ = 0` for `w ≤ 1`):
+//! `sin θ + w (π/2 − θ − sin θ cos θ) − w² (2/3 − sin θ + sin³ θ/3)`.
 //!
 //! # What it cannot show
 //! Sticking: the contact creeps under any load. No elastic presliding.
@@ -34,7 +35,7 @@
 //! ```
 
 use crate::parameter::{MU_K, Parameter, V_REF};
-use crate::{FrictionLaw, Scalar, Step, positive_part, sign};
+use crate::{Claims, FrictionLaw, Scalar, Step, positive_part, sign};
 
 /// Parameters of the velocity-limited law.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +48,9 @@ pub struct Vlfm<T> {
 
 /// The parameters in order.
 pub(crate) const PARAMETERS: &[Parameter] = &[MU_K, V_REF];
+
+/// What the law promises.
+pub(crate) const CLAIMS: Claims = Claims::BOUNDED;
 
 impl<T: Scalar> Vlfm<T> {
     pub(crate) fn from_values([mu_k, v_ref]: [T; 2]) -> Self {
