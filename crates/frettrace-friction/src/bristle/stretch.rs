@@ -37,9 +37,8 @@ struct Block {
     /// Slip velocity and μ at half time.
     velocity: Row,
     mu_middle: Row,
-    /// Length X of the step, 1/X, and X up to half time.
+    /// Length X of the step, and up to half time.
     whole: Row,
-    inverse: Row,
     half: Row,
     /// What an exponential memory makes of the powers 1, s, s².
     moments: [Row; 3],
@@ -122,7 +121,6 @@ impl Block {
             velocity: row,
             mu_middle: row,
             whole: row,
-            inverse: row,
             half: row,
             moments: [row; 3],
             damping: row,
@@ -170,28 +168,28 @@ impl Block {
     fn lengths<T: Scalar>(&mut self, law: &Plain, part: &Stretch<'_, T>) -> bool {
         let count = part.steps();
         let (slip, velocity) = (&part.slip[..=count], &part.velocity[..=count]);
-        let mut longest = 0.0_f64;
+        let (before, after) = (&self.inverses[..count], &self.inverses[1..=count]);
+        let (speed, mu) = (&self.velocity[..count], &self.mu_middle[..count]);
+        let (whole, half) = (&mut self.whole[..count], &mut self.half[..count]);
+        // A whole number: the largest of many would have to be found one after the other.
+        let mut long = 0_u64;
         for k in 0..count {
             let (travel, [v0, v2]) =
                 (slip[k + 1].re() - slip[k].re(), [velocity[k].re(), velocity[k + 1].re()]);
             let pace = law.sigma0.copysign(sense(travel, v0, v2)) * part.dt;
-            let start = v0 * pace * self.inverses[k];
-            let middle = self.velocity[k] * pace * self.mu_middle[k].recip();
-            let end = v2 * pace * self.inverses[k + 1];
-            let whole = (start + middle * 4.0 + end) * (1.0 / 6.0);
-            self.half[k] = (start * 5.0 + middle * 8.0 - end) * (1.0 / 24.0);
-            self.whole[k] = whole;
-            longest = if whole > longest { whole } else { longest };
+            let start = v0 * pace * before[k];
+            let middle = speed[k] * pace * mu[k].recip();
+            let end = v2 * pace * after[k];
+            whole[k] = (start + middle * 4.0 + end) * (1.0 / 6.0);
+            half[k] = (start * 5.0 + middle * 8.0 - end) * (1.0 / 24.0);
+            long |= u64::from(whole[k] > LONG);
         }
-        longest > LONG
+        long > 0
     }
 
     /// Both ways side by side where a step is long: a branch would keep the loop from vectors.
     #[inline(always)]
     fn remember(&mut self, count: usize, long: bool) {
-        for k in 0..count {
-            self.inverse[k] = self.whole[k].recip();
-        }
         let [zeroth, first, second] = &mut self.moments;
         let rows = zeroth.iter_mut().zip(first).zip(second).zip(&self.whole).take(count);
         if long {
@@ -230,11 +228,13 @@ impl Block {
         for k in 0..count {
             let (travel, [v0, v2]) =
                 (slip[k + 1].re() - slip[k].re(), [velocity[k].re(), velocity[k + 1].re()]);
-            let kappa = (self.half[k] * self.inverse[k]).clamp(MIDDLE.0, MIDDLE.1);
-            let lean = self.mu[k + 1] - self.mu[k];
-            let bend = (self.mu_middle[k] - self.mu[k] - kappa * lean) / (kappa * (kappa - 1.0));
+            let (whole, half) = (self.whole[k], self.half[k]);
+            let (lean, rise) = (self.mu[k + 1] - self.mu[k], self.mu_middle[k] - self.mu[k]);
+            // The parabola's bend, `(rise − κ lean)/(κ (κ − 1))` with κ = half/whole, in one division.
+            let bend = (rise * whole - lean * half) * whole / (half * (half - whole));
             let loading = self.mu[k] * zeroth[k] + lean * first[k] + bend * (second[k] - first[k]);
-            let affine = (self.whole[k] > 0.0) & (v0 * v2 >= 0.0);
+            let inside = (half >= MIDDLE.0 * whole) & (half <= MIDDLE.1 * whole);
+            let affine = (whole > 0.0) & inside & (v0 * v2 >= 0.0);
             self.keep[k] = if affine { 1.0 - zeroth[k] } else { f64::NAN };
             self.target[k] = loading * compliance.copysign(sense(travel, v0, v2));
             let pressed = normal[k + 1].re();
