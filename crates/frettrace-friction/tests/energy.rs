@@ -20,9 +20,8 @@ fn energy<L: FrictionLaw<f64>>(law: L) -> f64 {
     let (normal, dt) = (vec![N; samples], TAU / OMEGA / samples as f64);
     let period = Period { slip: &slip, velocity: &velocity, normal: &normal, dt };
     let mut force = vec![0.0; samples];
-    let closed =
-        close_loop(&law, &period, &mut force, Closing { periods: 2000, ..Closing::default() }).unwrap();
-    assert!(closed.closed);
+    let closing = Closing { periods: 2000, ..Closing::default() };
+    assert!(close_loop(&law, &period, &mut force, closing).is_ok_and(|closed| closed.closed));
     force.iter().zip(&velocity).map(|(f, v)| f * v * dt).sum::<f64>() / (4.0 * N * A)
 }
 
