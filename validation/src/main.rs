@@ -2,9 +2,10 @@
 #![expect(clippy::print_stdout, reason = "the table is the answer")]
 
 use clap::{Args, Parser, Subcommand};
+use frettrace_measurement::write_measurement;
 use std::path::{Path, PathBuf};
 use std::{fs, process::ExitCode};
-use validation::sweep::{self, coverage, judged::judge, plan, tables};
+use validation::sweep::{self, coverage, judged::judge, made::make, plan, tables};
 use validation::{
     baseline,
     case::{Outcome, Row},
@@ -36,6 +37,20 @@ enum Table {
     Splines,
     /// Simulated rigs with a known effect through `explain`: confusion, false alarms, detection limit
     Sweep(Extent),
+    /// One set of the sweep's plan as a measurement file with its truth, to look at
+    Set {
+        /// Name in the plan, as the lines of a sweep have it
+        name: String,
+        /// The file
+        #[arg(short, long)]
+        output: PathBuf,
+        /// Seed of the plan
+        #[arg(long, default_value_t = sweep::SEED)]
+        seed: u64,
+        /// Clean sets of the plan
+        #[arg(long, default_value_t = 200)]
+        clean: usize,
+    },
     /// Simulated clean rigs through `reconstruct` and `identify`: how often the bands hold the truth
     Coverage(Extent),
 }
@@ -74,6 +89,14 @@ fn run_table(table: &Table) -> anyhow::Result<String> {
             sets.truncate(extent.first);
             let done = sweep::resume(&extent.output, &sets, |set| &set.name, judge)?;
             Ok(tables::markdown(&format!("Sweep of explain, seed {}", extent.seed), &done))
+        }
+        Table::Set { name, output, seed, clean } => {
+            let planned = plan::plan(*seed, *clean).into_iter().find(|set| set.name == *name);
+            let planned =
+                planned.ok_or_else(|| anyhow::anyhow!("no set \"{name}\" in the plan of seed {seed}"))?;
+            let made = make(&planned)?.simulation;
+            write_measurement(output, &made.measurement, Some(&made.truth))?;
+            Ok(format!("{planned:#?}\n"))
         }
         Table::Coverage(extent) => {
             let mut sets = plan::plan(extent.seed, extent.clean);

@@ -14,13 +14,16 @@ pub mod tables;
 
 use anyhow::Context;
 use frettrace::Progress;
-use rayon::prelude::*;
+use rayon::ThreadPoolBuilder;
 use serde::{Serialize, de::DeserializeOwned};
 use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead, BufReader, Write};
+use std::num::NonZero;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
+use std::thread;
 
 /// The seed of the plan that is reported.
 pub const SEED: u64 = 20;
@@ -59,12 +62,24 @@ pub fn resume<P: Sync, T: Finished>(
     let file = Mutex::new(file.with_context(|| format!("{} cannot be written", path.display()))?);
     let progress = Progress::terminal();
     progress.start(open.len() as u64, "sweeping");
-    open.par_iter().try_for_each(|set| {
-        let line = serde_json::to_string(&run(set))? + "\n";
-        // A whole line at once: a thread that panicked elsewhere cannot have left half of one.
-        file.lock().unwrap_or_else(PoisonError::into_inner).write_all(line.as_bytes())?;
-        progress.step();
-        anyhow::Ok(())
+    let next = AtomicUsize::new(0);
+    let work = || -> anyhow::Result<()> {
+        // A pool of its own, of one thread: a worker of a common pool would begin other sets while it waits for parts of one.
+        let alone = ThreadPoolBuilder::new().num_threads(1).build()?;
+        while let Some(set) = open.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let line = serde_json::to_string(&alone.install(|| run(set)))? + "\n";
+            // A whole line at once: a thread that panicked elsewhere cannot have left half of one.
+            file.lock().unwrap_or_else(PoisonError::into_inner).write_all(line.as_bytes())?;
+            progress.step();
+        }
+        Ok(())
+    };
+    let workers = thread::available_parallelism().map_or(1, NonZero::get);
+    thread::scope(|scope| {
+        let begun: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
+        begun.into_iter().try_for_each(|worker| {
+            worker.join().unwrap_or_else(|_| Err(anyhow::anyhow!("a set of the sweep broke off")))
+        })
     })?;
     progress.finish();
     read(path)

@@ -1,5 +1,6 @@
 //! Structure, excitation and sensors on the balance of the runs: no friction law takes part.
 
+use crate::contact_search::few_of_each;
 use crate::effects::{ALL, StructureForm};
 use crate::study::merge;
 use crate::{Study, Unknown};
@@ -147,7 +148,12 @@ impl Study<'_> {
         let unknowns = self.structure_unknowns();
         let mut problem = BalanceProblem::new(self, setting.clone(), &unknowns);
         problem.beside = Beside::Ports;
-        let settings = FitSettings { max_iterations: 4, relative_tolerance: 1e-3, ..FitSettings::default() };
+        let settings = FitSettings {
+            max_iterations: 4,
+            relative_tolerance: 1e-3,
+            secant: true,
+            ..FitSettings::default()
+        };
         fit(&problem, &problem.start(), &settings).map_or_else(|_| setting.clone(), |f| problem.at(&f.values))
     }
 
@@ -164,6 +170,7 @@ impl Study<'_> {
             max_iterations: most,
             relative_tolerance: 1e-3,
             absolute_tolerance: 0.5,
+            secant: true,
             ..FitSettings::default()
         };
         let (setting, cost) = match fit(&problem, &problem.start(), &settings) {
@@ -206,6 +213,7 @@ impl Study<'_> {
             .filter_map(|(k, (_, form))| self.promise(form).map(|left| (left, k)))
             .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        few_of_each(&mut order, |k| forms[k].0);
         let base = merge(&self.structure_unknowns(), added);
         let mut found: Vec<BalanceCandidate> = order
             .par_iter()

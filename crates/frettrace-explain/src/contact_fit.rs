@@ -66,7 +66,9 @@ impl Recovered {
         let lines = &model.runs[run];
         let order = lines.order().min(MOTION_LINES * subharmonic);
         let compared = order.min(LINES * subharmonic);
-        let samples = (4 * order).max(8 * compared).next_power_of_two().clamp(128, 512);
+        // Enough for every line of the motion; beyond that 512 do.
+        let wanted = (4 * order).max(8 * compared).next_power_of_two().clamp(128, 512);
+        let samples = wanted.max((2 * order + 1).next_power_of_two());
         let grid = Grid::new(order, samples)?;
         let mut scratch = grid.scratch();
         let mut sampled = |of: &dyn Fn(usize) -> Complex64| {
@@ -238,6 +240,7 @@ impl ContactProblem<'_> {
             max_iterations: most,
             relative_tolerance: 1e-3,
             absolute_tolerance: 0.5,
+            secant: true,
             ..FitSettings::default()
         };
         fit(self, &start, &settings)

@@ -4,6 +4,7 @@ mod balance_fit;
 mod case;
 mod channels;
 mod contact_fit;
+mod contact_search;
 pub(crate) mod effects;
 mod exhibit;
 mod fitting;
@@ -15,6 +16,7 @@ mod series_fit;
 mod shapes;
 mod start;
 mod study;
+mod tangents;
 mod unknown_force;
 mod verdict;
 

@@ -5,7 +5,7 @@ use crate::series_fit::SeriesContact;
 use crate::start;
 use crate::{AccelerationFit, Case, Clipped, RunRecord, Unknown};
 use frettrace_forward::accelerations::{
-    AccelerationError, AccelerationModel, Memory, Prediction, Quantity, RunLines, Setting,
+    AccelerationError, AccelerationModel, Memory, Prediction, Quantity, RunLines, SensorSetting, Setting,
 };
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 use frettrace_identify::{Fit, FitSettings, IdentifyError, Model, fit};
@@ -186,9 +186,14 @@ impl<'a> Study<'a> {
         })
     }
 
-    /// χ² of a law on the runs that are not periodic.
-    pub(crate) fn series_cost(&self, law: &ModifiedLaw<f64>) -> f64 {
-        self.series.iter().map(|(_, contact)| contact.cost(law)).sum()
+    /// χ² of the law on the runs that are not periodic. They were recovered with what is declared: where a model has another
+    /// structure, excitation or sensor, they tell nothing of its law, and count as a law's would that is right.
+    pub(crate) fn series_cost(&self, setting: &Setting) -> f64 {
+        if as_declared(setting) {
+            self.series.iter().map(|(_, contact)| contact.cost(&setting.law)).sum()
+        } else {
+            self.series.iter().map(|(_, contact)| contact.count() as f64).sum()
+        }
     }
 
     /// Number of real residuals of the training runs.
@@ -321,6 +326,13 @@ fn model_lines(case: &Case, record: &RunRecord) -> RunLines {
         lines.samples = (8 * lines.contact_order).next_power_of_two().clamp(lines.samples, 4096);
     }
     lines
+}
+
+/// Whether nothing but the law differs from what is declared.
+pub(crate) fn as_declared(setting: &Setting) -> bool {
+    let changed = [setting.clamp_compliance, setting.drift].iter().any(|value| *value != 0.0);
+    let sound = setting.sensors.iter().all(|sensor| *sensor == SensorSetting::default());
+    setting.ports.is_empty() && setting.mass.is_none() && setting.base.is_none() && sound && !changed
 }
 
 /// Standard deviations from the Gauss-Newton curvature with the priors; NaN where it is singular.

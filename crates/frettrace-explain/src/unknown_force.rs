@@ -252,7 +252,8 @@ impl Study<'_> {
             .collect()
     }
 
-    fn form(&self, setting: &Setting, port: Port, free: &[usize]) -> StructureForm {
+    /// A port with its unknowns in the model.
+    pub(crate) fn form(&self, setting: &Setting, port: Port, free: &[usize]) -> StructureForm {
         let mut setting = setting.clone();
         setting.ports.push(port);
         let index = setting.ports.len() - 1;

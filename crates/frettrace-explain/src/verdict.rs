@@ -2,6 +2,7 @@
 
 use crate::effects::ALL;
 use crate::search::Explained;
+use crate::study::as_declared;
 use crate::{Case, ExplainError, RunError, Study, Unknown};
 use frettrace_forward::accelerations::{Quantity, Setting};
 use frettrace_friction::effects::{Hook, ModifiedLaw};
@@ -19,6 +20,8 @@ const EVIDENCE: f64 = 10.0;
 const PROXY: f64 = 0.4;
 /// A model nearer to the noise than this is fitted further, and on a finer grid, before it is judged.
 const NEAR: f64 = 6.0;
+/// … and so is one that leaves no more than this share of the excess before it.
+const MOST_TAKEN: f64 = 0.05;
 /// Relative error of the recovered force of a run without a period from which the law is in doubt: five times the accuracy
 /// with which such a force is recovered.
 const SERIES_OPEN: f64 = 0.05;
@@ -59,8 +62,14 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
     };
     let mut baseline = search.baseline(setting)?;
     if !baseline.complete() && baseline.ratio < NEAR {
-        baseline = search.further(baseline);
+        let declared = baseline.clone();
+        baseline = search.further(baseline, &declared);
         search.coarse = None;
+    }
+    if !baseline.complete()
+        && let Some(better) = search.restarted(&baseline)
+    {
+        baseline = better;
     }
     search.before = search.errors_as_read(&baseline);
     let done = baseline.complete() && !search.series_open(&baseline);
@@ -183,12 +192,23 @@ impl Search<'_> {
         let mut current = baseline.clone();
         for _ in 0..MOST_EFFECTS {
             self.calibrate(&mut current);
+            if !current.effects.is_empty()
+                && let Some(better) = self.restarted(&current)
+            {
+                current = better;
+                if current.complete() && !self.series_open(&current) {
+                    break;
+                }
+            }
             let before = current.clone();
             let rivals = std::mem::take(&mut self.rivals);
             let found = if self.closed(&current.fitted.setting) {
                 match self.slight_round(&current)? {
                     Some(found) => Some(found),
-                    None => self.contact_round(&current)?,
+                    None => {
+                        let found = self.contact_round(&current)?.map(|found| self.further(found, &current));
+                        self.hidden_round(&current, found)?
+                    }
                 }
             } else {
                 self.structure_round(&current, f64::INFINITY)?
@@ -206,7 +226,7 @@ impl Search<'_> {
             };
             if !better.complete() {
                 // A second effect may not be named for what a longer fit would have done.
-                better = self.further(better);
+                better = self.further(better, &before);
             }
             if !before.effects.is_empty() && better.excess() > PROXY * before.excess() {
                 // It takes away a little of everything: a stand-in for what neither effect is.
@@ -265,14 +285,19 @@ impl Search<'_> {
         found
     }
 
-    /// A longer fit; then, where that is near the noise but not within it, one on a finer grid.
-    fn further(&mut self, mut current: Explained) -> Explained {
+    /// A longer fit; then, where that is near the noise but not within it, or has most of what `before` lacked, one on a finer
+    /// grid.
+    fn further(&mut self, mut current: Explained, before: &Explained) -> Explained {
+        if current.complete() {
+            return current;
+        }
         if let Ok(better) = self.study.polished(&current)
             && better.criterion < current.criterion
         {
             current = better;
         }
-        if current.complete() || current.ratio > NEAR || self.refined {
+        let near = current.ratio <= NEAR || current.excess() <= MOST_TAKEN * before.excess();
+        if current.complete() || !near || self.refined {
             return current;
         }
         let Ok(study) = self.study.refined() else { return current };
@@ -318,7 +343,7 @@ impl Search<'_> {
     }
 
     fn series_open(&self, model: &Explained) -> bool {
-        self.series_error(model) > SERIES_OPEN
+        as_declared(&model.fitted.setting) && self.series_error(model) > SERIES_OPEN
     }
 
     /// Without the last effect, or without the first of two, where the model is complete without it too: a first effect may have

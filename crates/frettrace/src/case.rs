@@ -7,6 +7,7 @@ use frettrace_forward::accelerations::Rig;
 use frettrace_identify::contact::Family;
 use frettrace_inverse::RunReconstruction;
 use frettrace_measurement::{Measurement, SlipKind};
+use std::collections::BTreeSet;
 
 /// Modes summed; the rest acts through its static flexibility.
 const MODES: usize = 40;
@@ -20,13 +21,40 @@ pub fn recover_aperiodic(case: &mut Case, measurement: &Measurement) -> Result<(
         return Ok(());
     }
     let options = crate::reconstruct::ReconstructOptions::default();
-    let found = crate::reconstruct::reconstruct(measurement, &options, &Progress::silent())?.inverse;
+    let sound = without_sensors(measurement, &broken_off(case));
+    let found = crate::reconstruct::reconstruct(&sound, &options, &Progress::silent())?.inverse;
     for (record, run) in case.records.iter_mut().zip(&found.runs) {
         if !record.periodic {
             record.series = series(run);
         }
     }
     Ok(())
+}
+
+/// Fewest sensors from which a contact is recovered.
+const LEAST_SENSORS: usize = 3;
+
+/// Sensors whose signal breaks off or is cut: what a periodic run lost is filled from its other periods, the others have none.
+fn broken_off(case: &Case) -> BTreeSet<usize> {
+    let broken = |id: &str| matches!(id, "measurement.dropout" | "measurement.clipping");
+    case.faults.iter().filter(|fault| broken(fault.id)).map(|fault| fault.sensor).collect()
+}
+
+/// The measurement as its other sensors have it; whole where too few would be left.
+fn without_sensors(measurement: &Measurement, left_out: &BTreeSet<usize>) -> Measurement {
+    let mut sound = measurement.clone();
+    if measurement.sensors.position.len() < LEAST_SENSORS + left_out.len() {
+        return sound;
+    }
+    fn keep<T>(values: &mut Vec<T>, left_out: &BTreeSet<usize>) {
+        let mut place = 0..;
+        values.retain(|_| place.next().is_none_or(|sensor| !left_out.contains(&sensor)));
+    }
+    keep(&mut sound.sensors.position, left_out);
+    sound.sensors.noise_std.iter_mut().for_each(|noise| keep(noise, left_out));
+    sound.sensors.name.iter_mut().for_each(|names| keep(names, left_out));
+    sound.runs.iter_mut().for_each(|run| keep(&mut run.acceleration, left_out));
+    sound
 }
 
 /// Recovered samples; bins that the prior leads are not known.

@@ -8,6 +8,7 @@ use frettrace::explain::{ExplainOptions, explain};
 use frettrace::results::{Explanation, Place, Verdict};
 use frettrace_measurement::Recording;
 use serde::{Deserialize, Serialize};
+use std::time::Instant;
 
 /// One finished set: one line of the file of a sweep.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -36,6 +37,9 @@ pub struct Judged {
     pub over_floor: [f64; 2],
     /// Why it failed.
     pub failure: Option<String>,
+    /// What `explain` took on one core (s).
+    #[serde(default)]
+    pub seconds: f64,
 }
 
 impl Finished for Judged {
@@ -134,7 +138,9 @@ fn answered(planned: &Planned, made: &Made) -> anyhow::Result<Judged> {
     let without = effect.iter().filter(|_| planned.left_out).cloned().collect();
     let options = ExplainOptions { without, ..ExplainOptions::default() };
     let recording = Recording::Measurement(made.simulation.measurement.clone());
+    let begun = Instant::now();
     let found = explain(&recording, &options, &Progress::silent())?;
+    let seconds = begun.elapsed().as_secs_f64();
     let error = found.held_out.as_ref().unwrap_or(&found.error);
     Ok(Judged {
         name: planned.name.clone(),
@@ -148,6 +154,7 @@ fn answered(planned: &Planned, made: &Made) -> anyhow::Result<Judged> {
         size_inside: size_inside(made, &found),
         over_floor: [error.before, error.after].map(|value| value / error.noise_floor),
         failure: None,
+        seconds,
         effect,
     })
 }

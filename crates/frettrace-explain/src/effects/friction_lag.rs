@@ -34,16 +34,15 @@ impl Effect for FrictionLag {
         let mut forms = Vec::new();
         for share in [0.01, 0.05] {
             for hook in [Hook::LagTime, Hook::SpeedLag, Hook::VelocityLag] {
-                let time = Change::positive(hook, share * scales.period, 1e-4);
-                if known(law, &[Hook::StribeckRise]) {
-                    forms.push(ContactForm::new(vec![time]));
-                } else {
-                    forms.push(ContactForm::new(vec![
-                        Change::positive(Hook::StribeckRise, 0.3 * mu, 1e-3),
-                        Change::positive(Hook::StribeckVelocity, 0.2 * scales.velocity, 1e-3),
-                        time,
-                    ]));
+                let mut changes = vec![Change::positive(hook, share * scales.period, 1e-4)];
+                if !known(law, &[Hook::StribeckRise]) {
+                    changes.push(Change::positive(Hook::StribeckRise, 0.3 * mu, 1e-3));
+                    changes.push(Change::positive(Hook::StribeckVelocity, 0.2 * scales.velocity, 1e-3));
                 }
+                forms.push(ContactForm::new(changes.clone()));
+                // A friction that follows no faster than it can.
+                changes.push(Change::linear(Hook::LagSaturation, 1.0, 1.0, (0.0, 50.0)));
+                forms.push(ContactForm::new(changes));
             }
             let time = Change::positive(Hook::ForceLag, 0.3 * share * scales.period, 1e-4);
             forms.push(ContactForm::new(vec![time]));

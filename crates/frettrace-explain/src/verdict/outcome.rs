@@ -2,7 +2,8 @@
 
 use super::{EVIDENCE, HELD_OUT, HELD_OUT_SHARE, Rival, Search};
 use crate::effects::{ALL, EffectPlace};
-use crate::search::Explained;
+use crate::search::{Explained, OTHER_FORMULA};
+use crate::study::as_declared;
 use crate::{ChannelFault, RunError};
 use frettrace_forward::accelerations::Quantity;
 
@@ -139,11 +140,11 @@ impl Search<'_> {
         let found = self.study.improvement(&baseline.fitted, &model.fitted, held_out);
         self.notes
             .push(format!("held-out runs improve by {found:.1} standard errors; a claim needs {HELD_OUT}"));
-        let excess = |of: &Explained| {
-            let ratio = self.study.error(&of.fitted, held_out).ratio();
-            (ratio * ratio - 1.0).max(0.0)
-        };
-        found > HELD_OUT && excess(model) <= HELD_OUT_SHARE * excess(baseline)
+        let [before, after] = [baseline, model].map(|of| self.study.error(&of.fitted, held_out).ratio());
+        let excess = |ratio: f64| (ratio * ratio - 1.0).max(0.0);
+        // Where the formula is another one, these runs must be as near as those that were fitted.
+        let near = !self.other_formula || after <= OTHER_FORMULA;
+        found > HELD_OUT && near && excess(after) <= HELD_OUT_SHARE * excess(before)
     }
 
     /// Whether runs that nothing was fitted to are predicted worse than by the declared model.
@@ -164,6 +165,11 @@ impl Search<'_> {
         let left_out = self.study.case.records.iter().filter(|r| !r.periodic).count();
         if left_out > 0 {
             let entered = self.study.series.len();
+            if !as_declared(&model.fitted.setting) {
+                self.notes.push(
+                    "forces of runs that are not periodic were recovered with what is declared: the model has another structure, excitation or sensor, and its law is not judged by them".into(),
+                );
+            }
             let [before, after] = [baseline, model].map(|m| 100.0 * self.series_error(m));
             self.notes.push(format!(
                 "{left_out} runs are not periodic: no waveform is predicted for them; {entered} of them entered through the recovered force, which the law misses by {before:.1} % before and {after:.1} % after"

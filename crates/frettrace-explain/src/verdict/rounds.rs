@@ -7,8 +7,28 @@ use crate::search::Explained;
 use crate::study::merge;
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::Setting;
+use frettrace_friction::effects::Hook;
+
+/// χ² per residual on the recovered contacts below which a law is one that the contact may have.
+const FITS: f64 = 4.0;
 
 impl Search<'_> {
+    /// The same model from the law that the contacts recovered with it show, where that ends nearer: the fit of the whole rig may
+    /// have come to rest in another valley, and an effect may not be named for that.
+    pub(super) fn restarted(&self, current: &Explained) -> Option<Explained> {
+        let unknowns = merge(&self.study.case.unknowns(), &current.added);
+        let law: Vec<Unknown> = unknowns.iter().filter(|u| is_law(u)).cloned().collect();
+        let mut setting = current.fitted.setting.clone();
+        let recovered = self.study.recovered(&setting).ok()?;
+        let base = self.study.contact_base(&recovered, &setting, &law).filter(|base| base.reduced < FITS)?;
+        setting.law = base.law;
+        let named = (current.effects.clone(), current.added.clone());
+        let mut found = self.study.whole(setting, &unknowns, named, 15).ok()?;
+        found.sensors.clone_from(&current.sensors);
+        found.counts.clone_from(&current.counts);
+        (found.criterion + EVIDENCE < current.criterion).then_some(found)
+    }
+
     pub(super) fn contact_round(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {
         let unknowns = merge(&self.study.case.unknowns(), &current.added);
         let law: Vec<Unknown> = unknowns.iter().filter(|u| is_law(u)).cloned().collect();
@@ -49,22 +69,57 @@ impl Search<'_> {
             self.tried.retain(|t| t.id != id);
             self.tried.push(Tried { id, error, evidence });
         }
+        self.settle_simpler(&mut found);
+        let best = found.first()?.criterion;
+        // A richer effect that contains a simpler one must earn its name against it.
+        let simpler = found.iter().position(|one| {
+            (one.criterion < best + EVIDENCE || self.forgets(&found[0]))
+                && one.complete() == found[0].complete()
+                && one.effects.last().is_some_and(|&e| contained(found[0].effects.last(), e))
+        });
+        let chosen = simpler.unwrap_or(0);
+        // Without its memory a richer effect is the chosen one under another name, and no rival.
+        let name = found[chosen].effects.last().copied();
+        let same =
+            |one: &Explained| self.forgets(one) && name.is_some_and(|e| contained(one.effects.last(), e));
         self.rivals = found
             .iter()
+            .filter(|one| !same(one))
             .filter_map(|one| {
                 let rival =
                     |&effect: &usize| Rival { effect, criterion: one.criterion, excess: one.excess() };
                 one.effects.last().map(rival)
             })
             .collect();
-        let best = found.first()?.criterion;
-        // A richer effect that contains a simpler one must earn its name against it.
-        let simpler = found.iter().position(|one| {
-            one.criterion < best + EVIDENCE
-                && one.complete() == found[0].complete()
-                && one.effects.last().is_some_and(|&e| contained(found[0].effects.last(), e))
-        });
-        Some(found.swap_remove(simpler.unwrap_or(0)))
+        Some(found.swap_remove(chosen))
+    }
+
+    /// Whether the law has a memory of the motion and all its times are below the step of the phase grid: none that could be
+    /// seen.
+    fn forgets(&self, model: &Explained) -> bool {
+        let times = [Hook::LagTime, Hook::SpeedLag, Hook::VelocityLag, Hook::FilmRise, Hook::FilmFall];
+        let law = &model.fitted.setting.law;
+        let longest = times.iter().filter_map(|&hook| law.get(hook)).fold(0.0, f64::max);
+        let runs = self.study.training.iter().map(|&run| &self.study.model.runs[run]);
+        let step = runs.map(|run| std::f64::consts::TAU / run.omega / run.samples as f64);
+        longest > 0.0 && longest < step.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Fits a simpler effect to its end where a richer one that contains it is complete and ahead: it may be so by its longer way.
+    fn settle_simpler(&self, found: &mut [Explained]) {
+        let Some(first) = found.first().filter(|first| first.complete()) else { return };
+        let (rich, best) = (first.effects.last().copied(), first.criterion);
+        for one in found.iter_mut().skip(1) {
+            let simpler = one.effects.last().is_some_and(|&e| contained(rich.as_ref(), e));
+            if !simpler || !one.complete() || one.criterion < best + EVIDENCE {
+                continue;
+            }
+            if let Ok(better) = self.study.polished(one)
+                && better.criterion < one.criterion
+            {
+                *one = better;
+            }
+        }
     }
 
     /// Where structure effects start from: what was declared, or the model that already holds effects. A base fit of a law to
@@ -90,6 +145,49 @@ impl Search<'_> {
         }
         let found = self.structure_round(current, 0.5 * (1.0 + reduced))?;
         Ok(found.filter(|better| better.excess() < PROXY * current.excess()))
+    }
+
+    /// An effect outside the contact where the balance is closed but none of the contact completes the model: a recovered force
+    /// takes most of what another force at a beam does, and what is left of it may be within what is usual.
+    pub(super) fn hidden_round(
+        &mut self,
+        current: &Explained,
+        contact: Option<Explained>,
+    ) -> Result<Option<Explained>, ExplainError> {
+        if contact.as_ref().is_some_and(Explained::complete) {
+            return Ok(contact);
+        }
+        let rivals = std::mem::take(&mut self.rivals);
+        let candidates = if current.fitted.setting.ports.is_empty() {
+            self.coarse.as_ref().unwrap_or(&self.study).tangent_candidates(current)
+        } else {
+            Vec::new()
+        };
+        let plain = current.criterion;
+        self.tried.extend(candidates.iter().map(|c| Tried {
+            id: ALL[c.effect].id(),
+            error: f64::NAN,
+            evidence: plain - c.criterion,
+        }));
+        let worth = |c: &&BalanceCandidate| c.criterion + EVIDENCE < plain;
+        let found = candidates.iter().filter(worth).filter_map(|c| self.with_structure(current, c).ok());
+        let found = found.collect();
+        let found = self.take_best(current, found).map(|found| self.further(found, current));
+        // A force that the balance does not show must leave nothing else to be explained.
+        let ahead = |found: &Explained| {
+            found.complete()
+                && contact.as_ref().is_none_or(|contact| found.criterion + EVIDENCE < contact.criterion)
+        };
+        match found {
+            Some(found) if ahead(&found) => {
+                self.rivals.extend(rivals);
+                Ok(Some(found))
+            }
+            _ => {
+                self.rivals = rivals;
+                Ok(contact)
+            }
+        }
     }
 
     /// Effects outside the contact that bring χ² per degree of freedom of the balance below `limit`.

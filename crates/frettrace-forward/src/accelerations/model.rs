@@ -50,6 +50,14 @@ pub struct Memory {
     runs: Vec<RunMemory>,
 }
 
+impl Memory {
+    /// The solutions of a setting with `ports` ports, for the same setting with one more that exerts nothing.
+    #[must_use]
+    pub fn with_idle_port(&self, ports: usize) -> Self {
+        Self { runs: self.runs.iter().map(|run| run.with_idle_port(ports)).collect() }
+    }
+}
+
 /// Accelerations of a rig under known forces.
 pub struct AccelerationModel {
     /// The declared rig.

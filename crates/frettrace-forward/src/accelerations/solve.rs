@@ -18,6 +18,13 @@ pub struct RunMemory {
 }
 
 impl RunMemory {
+    /// The solution with one more port, after `ports` others and the contact, that exerts nothing.
+    pub(super) fn with_idle_port(&self, ports: usize) -> Self {
+        let mut unknowns = self.unknowns.clone();
+        unknowns.resize(self.unknowns.len() / (1 + ports) * (2 + ports), 0.0);
+        Self { unknowns, factor: None }
+    }
+
     /// Whether the factor still belongs to the unknowns: within `1e-3` of their size.
     pub(super) fn current(&self) -> Option<Factor> {
         let (factor, at) = self.factor.as_ref()?;

@@ -1,7 +1,7 @@
 //! The parameters of the modified law.
 
 /// Number of hooks.
-pub const HOOKS: usize = 50;
+pub const HOOKS: usize = 51;
 
 /// A parameter of [`ModifiedLaw`](super::ModifiedLaw): those of the declared laws first, then those of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -107,6 +107,8 @@ pub enum Hook {
     ViscousPower,
     /// Its reference velocity `v₀` (m/s).
     ViscousReference,
+    /// Saturation `κ` of a lag whose rate is bounded, `(s − m)/(τ(1 + κ|s − m|))`, in units of the curve or of `v_s`.
+    LagSaturation,
 }
 
 impl Hook {
@@ -162,6 +164,7 @@ impl Hook {
         Self::PositionScale,
         Self::ViscousPower,
         Self::ViscousReference,
+        Self::LagSaturation,
     ];
 
     /// Its name in results and its unit.
@@ -218,6 +221,7 @@ impl Hook {
             Self::PositionScale => ("position_scale", "m"),
             Self::ViscousPower => ("viscous_power", "1"),
             Self::ViscousReference => ("viscous_reference", "m/s"),
+            Self::LagSaturation => ("lag_saturation", "1"),
         }
     }
 }

@@ -7,6 +7,7 @@
 mod coefficient;
 mod hooks;
 mod kernel;
+mod memory;
 mod modified;
 mod rigid;
 

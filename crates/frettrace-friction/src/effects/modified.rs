@@ -7,7 +7,7 @@
 //! monotone and rate-independent laws depend on slip alone.
 
 use super::hooks::{HOOKS, Hook};
-use super::kernel::{decay_mean, elasto_plastic, power, powered, relax};
+use super::kernel::{elasto_plastic, power, powered, relax};
 use crate::bristle::Friction;
 use crate::law::{FrictionLaw, Scalar, Step, Stroke};
 
@@ -101,45 +101,6 @@ impl<T: Scalar> ModifiedLaw<T> {
 
     pub(super) fn at(&self, hook: Hook) -> T {
         self.values[hook as usize]
-    }
-
-    /// Whether the law has a memory beside the deflection (lag, film or ageing).
-    #[must_use]
-    pub fn remembers(&self) -> bool {
-        [Hook::LagTime, Hook::SpeedLag, Hook::VelocityLag, Hook::FilmLoss, Hook::AgeingGain]
-            .into_iter()
-            .any(|hook| self.on(hook))
-    }
-
-    /// The state of a contact that has been at rest at the given slip.
-    #[must_use]
-    pub fn rest_at(&self, slip: T) -> ModifiedState<T> {
-        let memory = if self.on(Hook::LagTime) { T::from(1.0) } else { T::from(0.0) };
-        ModifiedState([T::from(0.0), memory, slip, T::from(0.0)])
-    }
-
-    /// The memory after a stretch.
-    pub(super) fn remember(&self, memory: T, from: &End<T>, to: &End<T>, dt: T) -> T {
-        if self.on(Hook::LagTime) {
-            let (old, new) = (self.weight(from.speed), self.weight(to.speed));
-            relax(memory, 1.0, [old, new], dt / self.at(Hook::LagTime))
-        } else if self.on(Hook::SpeedLag) {
-            relax(memory, 1.0, [from.speed, to.speed], dt / self.at(Hook::SpeedLag))
-        } else if self.on(Hook::VelocityLag) {
-            let sign = if (to.slip - from.slip).re() < 0.0 { -1.0 } else { 1.0 };
-            relax(memory, 1.0, [from.speed * sign, to.speed * sign], dt / self.at(Hook::VelocityLag))
-        } else if self.on(Hook::FilmLoss) {
-            let (old, new) = (self.steady_film(from.speed), self.steady_film(to.speed));
-            let builds = (old + new).re() * 0.5 > memory.re();
-            let falls = self.on(Hook::FilmFall) && !builds;
-            let time = self.at(if falls { Hook::FilmFall } else { Hook::FilmRise });
-            relax(memory, 1.0, [old, new], dt / time)
-        } else if self.on(Hook::AgeingGain) {
-            let e = (to.slip - from.slip).abs() / self.at(Hook::AgeingDistance);
-            memory * (-e).exp() + dt * decay_mean(e)
-        } else {
-            memory
-        }
     }
 
     /// One part of a monotone stretch over which the friction coefficient is taken as linear.

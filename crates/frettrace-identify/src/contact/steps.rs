@@ -24,8 +24,13 @@ impl Default for ContactSettings {
 }
 
 /// Fits of a step, and of a start before it is known whether it leads anywhere: within a thousandth of χ².
-const SPRINT: FitSettings =
-    FitSettings { free: Vec::new(), max_iterations: 10, relative_tolerance: 1e-3, absolute_tolerance: 0.1 };
+const SPRINT: FitSettings = FitSettings {
+    free: Vec::new(),
+    max_iterations: 10,
+    relative_tolerance: 1e-3,
+    absolute_tolerance: 0.1,
+    secant: false,
+};
 
 /// Parameters each step frees beside those before it, and whether it uses small, large or all loops.
 const STEPS: [(&str, &[&str], Loops); 4] = [

@@ -18,17 +18,27 @@ use step::Linearised;
 pub struct FitSettings {
     /// Which parameters are free; empty means all.
     pub free: Vec<bool>,
-    /// Most linearisations.
+    /// Most steps.
     pub max_iterations: usize,
     /// Converged when a step promises less than this share of χ².
     pub relative_tolerance: f64,
     /// Converged when a step promises less than this of χ² itself: 1e-4 shifts no estimate by more than 0.01 std.
     pub absolute_tolerance: f64,
+    /// Whether a step that delivered what it promised spares the next linearisation: the Jacobian is brought up to date by what
+    /// the step has shown (Broyden 1965, rank one). For models whose derivatives cost one evaluation a parameter. A fit still
+    /// ends on a Jacobian of its own place.
+    pub secant: bool,
 }
 
 impl Default for FitSettings {
     fn default() -> Self {
-        Self { free: Vec::new(), max_iterations: 60, relative_tolerance: 1e-10, absolute_tolerance: 1e-4 }
+        Self {
+            free: Vec::new(),
+            max_iterations: 60,
+            relative_tolerance: 1e-10,
+            absolute_tolerance: 1e-4,
+            secant: false,
+        }
     }
 }
 
@@ -61,7 +71,7 @@ pub struct Fit {
     pub cost: f64,
     /// χ² of the data alone.
     pub data_cost: f64,
-    /// Linearisations used.
+    /// Steps taken.
     pub iterations: usize,
     /// Outcome.
     pub status: Status,
@@ -94,14 +104,26 @@ pub(crate) fn fit_with_memory<M: Model>(
     let mut state = State::new(model, start, free, memory)?;
     let mut iterations = 0;
     let mut damping = Damping { factor: 1e-3, growth: 2.0 };
+    let mut fresh = true;
     let status = loop {
         if iterations >= settings.max_iterations {
             break Status::IterationLimit;
         }
-        let Some(linearised) = state.linearise() else { break Status::Stalled };
-        iterations += 1;
-        if let Some(status) = improve(&mut state, &linearised, (&mut damping, settings)) {
-            break status;
+        let linearised = if fresh { state.linearise() } else { state.updated() };
+        let Some(linearised) = linearised else { break Status::Stalled };
+        let attempts = if fresh { ATTEMPTS } else { 1 };
+        let before = damping;
+        match improve(&mut state, &linearised, (&mut damping, settings, attempts)) {
+            Step::Taken { gain } => {
+                iterations += 1;
+                fresh = !settings.secant || !(DELIVERED..=1.0 / DELIVERED).contains(&gain);
+            }
+            // Only a Jacobian of this place may end the fit.
+            Step::Over(_) if !fresh => (fresh, damping) = (true, before),
+            Step::Over(status) => {
+                iterations += 1;
+                break status;
+            }
         }
     };
     let fit = state.finish(iterations, status);
@@ -109,25 +131,38 @@ pub(crate) fn fit_with_memory<M: Model>(
     Ok(fit)
 }
 
+/// Steps tried on one linearisation: 60 doublings and more of λ, no shorter step is different from none.
+const ATTEMPTS: usize = 25;
+/// A step whose gain is this share of what was promised, or more, keeps the Jacobian that promised it.
+const DELIVERED: f64 = 0.5;
+
 /// Marquardt's factor and Nielsen's growth of it.
+#[derive(Clone, Copy)]
 struct Damping {
     factor: f64,
     growth: f64,
 }
 
-/// Tries steps of growing damping until one is taken (`None`: go on) or the fit is over.
+/// What became of a linearisation.
+enum Step {
+    /// A step was taken, with its gain over what was promised.
+    Taken { gain: f64 },
+    /// None is worth taking.
+    Over(Status),
+}
+
+/// Tries steps of growing damping until one is taken or the fit is over.
 fn improve<M: Model>(
     state: &mut State<'_, M>,
     linearised: &Linearised,
-    (damping, settings): (&mut Damping, &FitSettings),
-) -> Option<Status> {
-    // 60 doublings and more of λ: no shorter step is different from none.
-    for _ in 0..25 {
+    (damping, settings, attempts): (&mut Damping, &FitSettings, usize),
+) -> Step {
+    for _ in 0..attempts {
         let (step, promised) = linearised.step(damping.factor);
         let enough = settings.absolute_tolerance.max(settings.relative_tolerance * state.cost);
         // A step cut short by heavy damping promises little: only an almost undamped one may end the fit.
         if promised <= enough && (damping.factor <= 1.0 || promised <= 1e-3 * enough) {
-            return Some(if damping.factor <= 1e3 { Status::Converged } else { Status::Stalled });
+            return Step::Over(if damping.factor <= 1e3 { Status::Converged } else { Status::Stalled });
         }
         let before = state.cost;
         if let Some(gain) = state.attempt(&step).map(|after| (before - after) / promised)
@@ -136,10 +171,10 @@ fn improve<M: Model>(
             state.accept();
             damping.factor = (damping.factor * (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 10.0)).max(1e-12);
             damping.growth = 2.0;
-            return None;
+            return Step::Taken { gain };
         }
         damping.factor *= damping.growth;
         damping.growth *= 2.0;
     }
-    Some(Status::Stalled)
+    Step::Over(Status::Stalled)
 }

@@ -91,10 +91,10 @@ impl<'a, M: Model> State<'a, M> {
         trial.cost.is_finite().then_some(trial.cost)
     }
 
-    /// Goes where the last attempt was.
+    /// Goes where the last attempt was; the attempt's place becomes the one that was left.
     pub(super) fn accept(&mut self) {
-        self.coordinates.copy_from_slice(&self.trial.coordinates);
-        self.residual.copy_from_slice(&self.trial.residual);
+        std::mem::swap(&mut self.coordinates, &mut self.trial.coordinates);
+        std::mem::swap(&mut self.residual, &mut self.trial.residual);
         self.cost = self.trial.cost;
         std::mem::swap(&mut self.memory, &mut self.trial.memory);
     }
@@ -104,7 +104,34 @@ impl<'a, M: Model> State<'a, M> {
         let values = self.values(&self.coordinates);
         let target = (&mut self.residual[..], &mut self.jacobian);
         self.model.linearise(&values, &self.free, &mut self.memory, target).ok()?;
-        let (jacobian, right) = stacked(self.model, &values, &self.free, (&self.jacobian, &self.residual));
+        self.stacked(&values)
+    }
+
+    /// The same right after a step, from what the step has shown: of all matrices that explain it the one nearest to the last,
+    /// `J + (Δr − J δ) δᵀ/δᵀδ` in the coordinates (Broyden 1965).
+    pub(super) fn updated(&mut self) -> Option<Linearised> {
+        let (old, new) = (self.values(&self.trial.coordinates), self.values(&self.coordinates));
+        let slope = |values: &[f64], j: usize| self.model.parameters()[j].transform.slope(values[j]);
+        let step: Vec<f64> =
+            self.coordinates.iter().zip(&self.trial.coordinates).map(|(new, old)| new - old).collect();
+        let length: f64 = step.iter().map(|d| d * d).sum();
+        let mut left = DVector::from_iterator(
+            self.residual.len(),
+            self.residual.iter().zip(&self.trial.residual).map(|(new, old)| new - old),
+        );
+        for j in (0..step.len()).filter(|&j| self.free[j]) {
+            left.axpy(-step[j] * slope(&old, j), &self.jacobian.column(j), 1.0);
+        }
+        for j in (0..step.len()).filter(|&j| self.free[j]) {
+            let mut column = self.jacobian.column_mut(j);
+            column *= slope(&old, j) / slope(&new, j);
+            column.axpy(step[j] / (length * slope(&new, j)), &left, 1.0);
+        }
+        self.stacked(&new)
+    }
+
+    fn stacked(&self, values: &[f64]) -> Option<Linearised> {
+        let (jacobian, right) = stacked(self.model, values, &self.free, (&self.jacobian, &self.residual));
         if jacobian.iter().chain(right.iter()).any(|x| !x.is_finite()) {
             return None;
         }
