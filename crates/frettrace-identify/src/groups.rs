@@ -28,7 +28,8 @@ pub struct GroupTest {
 /// Tests for each of `tested` whether its value differs between the groups, one parameter at a time, all others shared and
 /// free.
 ///
-/// The model is linear about the fit: the parameter's column is split by groups, `min ‖J_G δ + r‖²`, and the evidence is
+/// The model is linear about the fit, so that a group whose value would lie further away than one step of a fit may go ends the
+/// test of a parameter. The parameter's column is split by groups, `min ‖J_G δ + r‖²`, and the evidence is
 /// `(χ² − χ²_G)/s − (G − 1) ln n` with `s` what `χ²_G` per degree of freedom exceeds 1 and the effective number `n` of
 /// the residuals.
 #[must_use]
@@ -57,6 +58,10 @@ pub fn test_groups<M: Model>(
             let column = columns.iter().position(|c| c == j)?;
             let (shift, left, inverse) = least_squares(&split(&tall, column, &grouping), &right)?;
             let described = &model.parameters()[*j];
+            // Where no group is near the common value, the model is not linear that far and says nothing of them.
+            if (0..count).any(|g| shift[g].abs() > described.transform.longest_step()) {
+                return None;
+            }
             let freedom = (statistics.count as f64 - inverse.ncols() as f64).max(1.0);
             let scale = (left / freedom).max(1.0) * statistics.count as f64 / statistics.effective_count;
             let value = |g: usize| physical(described, fit.values[*j], (shift[g], scale * inverse[(g, g)]));
@@ -173,5 +178,15 @@ mod tests {
         assert!(apart.values[1].0 > 1.5 * apart.values[0].0, "{apart:?}");
         let same = evidence(3.0);
         assert!((same.evidence + 20.0_f64.ln()).abs() < 0.1, "{same:?}");
+    }
+
+    /// Forty times as steep as the lines that were fitted: no straight line leads there.
+    #[test]
+    fn groups_too_far_apart_for_a_linear_model_are_not_tested() {
+        let (alike, apart) = (Lines::new(3.0), Lines::new(120.0));
+        let found = fit(&alike, &[2.0, 2.0], &FitSettings::default()).unwrap();
+        let identified = identify(&alike, &found, &IdentifySettings::default()).unwrap();
+        let grouping = Grouping { sizes: &[10, 10], group: &[0, 1] };
+        assert!(test_groups(&apart, (&found, &identified), grouping, &[0]).is_empty());
     }
 }
