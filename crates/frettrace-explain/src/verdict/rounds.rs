@@ -19,6 +19,9 @@ impl Search<'_> {
         let unknowns = merge(&self.study.case.unknowns(), &current.added);
         let law: Vec<Unknown> = unknowns.iter().filter(|u| is_law(u)).cloned().collect();
         let mut setting = current.fitted.setting.clone();
+        if !self.closed(&setting) {
+            return None;
+        }
         let recovered = self.study.recovered(&setting).ok()?;
         let base = self.study.contact_base(&recovered, &setting, &law).filter(|base| base.reduced < FITS)?;
         setting.law = base.law;
