@@ -14,7 +14,7 @@ use frettrace_forward::accelerations::Rig;
 use frettrace_forward::march::Characteristic;
 use frettrace_forward::simulate::{
     Attached, Chain, Hum, NormalContact, Sampling, SimulatedLaw, SimulatedRecord, SimulatedRig, SimulatedRun,
-    SimulatedSensor, Slip, simulate,
+    SimulatedSensor, Slip, Steps, simulate,
 };
 use frettrace_friction::Law;
 use frettrace_friction::effects::Hook;
@@ -55,7 +55,7 @@ fn rig() -> SimulatedRig {
         attached: Vec::new(),
         second_support: None,
         base: None,
-        sampling: Sampling { rate: RATE, samples: 2048, oversampling: 32 },
+        sampling: Sampling { rate: RATE, samples: 2048, oversampling: 32, steps: Steps::Given(1) },
         seed: 11,
     }
 }

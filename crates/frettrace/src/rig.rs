@@ -11,7 +11,7 @@
 //! | `[second_support]` | `position_m`, `stiffness_n_per_m`, `gap_m` (0): declared in the file, its force is not |
 //! | `[exciter]` | `position_m` |
 //! | `[sensors]` | `position_m` (list), `noise_std_m_per_s2` (0), `noise_correlation` (0 = white) |
-//! | `[sampling]` | `rate_hz`, `samples` |
+//! | `[sampling]` | `rate_hz`, `samples`, `march_rate_hz` (least steps of the march a second; as many as the sensors' noise asks for) |
 //! | `[[run]]` | `frequency_hz`, `preload_n`, `force_amplitude_n` (list: one run each), `lubricated` |
 //! | `[[effect]]` | `id` and the keys of [`Effect`]: what the file does not declare |
 //!
@@ -205,6 +205,28 @@ pub struct RigSampling {
     pub rate_hz: f64,
     /// Samples a run.
     pub samples: usize,
+    /// Least steps of the march a second (Hz), rounded up to whole ones in a fine sample. Not given, steps are shortened
+    /// until no acceleration changes by more than a tenth of the noise.
+    pub march_rate_hz: Option<f64>,
+}
+
+/// Least rate of the fine samples (Hz); a step across one is halved where a load bends in it, …
+const FINE_RATE: f64 = 60_000.0;
+/// … and least number of them a sample, so that accelerations can be had from displacements.
+const FINE_SAMPLES: f64 = 8.0;
+
+impl RigSampling {
+    /// Fine samples of the march a sample, which the anti-alias filter takes.
+    #[must_use]
+    pub fn oversampling(&self) -> usize {
+        (FINE_RATE / self.rate_hz).ceil().max(FINE_SAMPLES) as usize
+    }
+
+    /// Their rate (Hz).
+    #[must_use]
+    pub fn fine_rate_hz(&self) -> f64 {
+        self.rate_hz * self.oversampling() as f64
+    }
 }
 
 /// Runs that differ in their force only.

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use frettrace_beam::{Boundary, ModalModel, ModalOptions, UniformBeam};
 use frettrace_forward::march::{Characteristic, Modulation, Settling};
 use frettrace_forward::simulate as forward;
-use frettrace_forward::simulate::{Attached, Chain, SimulatedRecord, SimulatedRig, SimulatedRun};
+use frettrace_forward::simulate::{Attached, Chain, Marching, SimulatedRecord, SimulatedRig, SimulatedRun};
 use frettrace_measurement::{
     Beam, Exciter, MeasuredModes, Measurement, Run, RunTruth, SecondSupport, Sensors, SlipKind, Source,
     Support, Truth,
@@ -30,12 +30,14 @@ pub struct Simulation {
     pub truth: Truth,
     /// For each run whether it had settled when it was recorded.
     pub settled: Vec<Settling>,
+    /// For each run how finely it was marched.
+    pub marching: Vec<Marching>,
 }
 
 /// Modes marched; the inverse and the harmonic balance use other numbers.
 const MODES: usize = 72;
-/// Fine steps: at least this many a second, so that the hold's error `(ωΔt)²/12` stays below 1e-5 up to 400 Hz.
-const FINE_RATE: f64 = 120_000.0;
+/// Change of the accelerations by the march's last tightening, over the noise of a sensor.
+const SHARE_OF_NOISE: f64 = 0.1;
 
 /// Marches every run of the rig, in parallel.
 ///
@@ -56,8 +58,9 @@ pub fn simulate(rig: &Rig, progress: &Progress) -> Result<Simulation, StudyError
         .collect::<Result<Vec<_>, _>>()?;
     progress.finish();
     let settled = records.iter().map(|record| record.settling).collect();
+    let marching = records.iter().map(|record| record.marching).collect();
     let truth = truth(rig, &records);
-    Ok(Simulation { measurement: measurement(rig, &runs, records)?, truth, settled })
+    Ok(Simulation { measurement: measurement(rig, &runs, records)?, truth, settled, marching })
 }
 
 fn beam(rig: &Rig) -> UniformBeam {
@@ -105,7 +108,6 @@ pub(crate) fn simulated_rig(rig: &Rig) -> Result<SimulatedRig, StudyError> {
     };
     let sensor =
         |&position: &f64| forward::SimulatedSensor { position, chain: chain.clone(), cross_talk: None };
-    let oversampling = (FINE_RATE / rig.sampling.rate_hz).ceil().max(1.0) as usize;
     let mut simulated = SimulatedRig {
         beam: beam(rig),
         boundary: boundary(rig),
@@ -130,7 +132,8 @@ pub(crate) fn simulated_rig(rig: &Rig) -> Result<SimulatedRig, StudyError> {
         sampling: forward::Sampling {
             rate: rig.sampling.rate_hz,
             samples: rig.sampling.samples,
-            oversampling,
+            oversampling: rig.sampling.oversampling(),
+            steps: steps(rig),
         },
         seed: rig.seed,
     };
@@ -146,6 +149,16 @@ pub(crate) fn simulated_rig(rig: &Rig) -> Result<SimulatedRig, StudyError> {
         foreign::channel_effect(effect, &mut simulated);
     }
     Ok(simulated)
+}
+
+/// Steps of the march: those given, else what the noise asks for.
+fn steps(rig: &Rig) -> forward::Steps {
+    let fine = rig.sampling.fine_rate_hz();
+    match rig.sampling.march_rate_hz {
+        // A multiple of the fine rate must not become the next one by rounding.
+        Some(rate) => forward::Steps::Given((rate / fine - 1e-9).ceil().max(1.0) as usize),
+        None => forward::Steps::Within(SHARE_OF_NOISE * rig.sensors.noise_std_m_per_s2),
+    }
 }
 
 /// Effects of the structure, the normal contact and the base.
@@ -378,6 +391,9 @@ fn truth(rig: &Rig, records: &[SimulatedRecord]) -> Truth {
         numbers.extend(effect.position().map(|x| (format!("{}.position_m", effect.id()), x)));
         numbers.extend(effect.sensor().map(|s| (format!("{}.sensor", effect.id()), s as f64)));
     }
+    let rates = records.iter().map(|record| record.marching.rate);
+    numbers.push(("march_rate_hz".to_owned(), rates.fold(0.0, f64::max)));
+    words.extend(march_note(records).map(|note| ("note".to_owned(), note)));
     let ids: Vec<&str> = rig.effects.iter().map(Effect::id).collect();
     words.push(("effect".to_owned(), if ids.is_empty() { "none".to_owned() } else { ids.join(" ") }));
     let run = |(index, record): (usize, &SimulatedRecord)| RunTruth {
@@ -389,6 +405,21 @@ fn truth(rig: &Rig, records: &[SimulatedRecord]) -> Truth {
         second_support_force: record.second_support_force.clone(),
     };
     Truth { numbers, words, runs: records.iter().enumerate().map(run).collect() }
+}
+
+/// Which runs still changed with the steps of the march, and by how much.
+fn march_note(records: &[SimulatedRecord]) -> Option<String> {
+    let of_run = |(index, record): (usize, &SimulatedRecord)| {
+        let Marching { rate, change, tolerance } = record.marching;
+        let change = change.filter(|&change| change > tolerance)?;
+        Some(format!(
+            "run {}: {change:.2e} m/s² at {rate:.0} steps a second, {tolerance:.2e} wanted",
+            run_id(index)
+        ))
+    };
+    let notes: Vec<String> = records.iter().enumerate().filter_map(of_run).collect();
+    (!notes.is_empty())
+        .then(|| format!("accelerations still change with the steps of the march ({})", notes.join("; ")))
 }
 
 #[cfg(test)]

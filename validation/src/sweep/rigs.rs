@@ -158,7 +158,7 @@ fn sampling(random: &mut impl Rng, frequency: f64) -> RigSampling {
     while (samples as f64) * frequency < 12.0 * rate {
         samples *= 2;
     }
-    RigSampling { rate_hz: rate, samples }
+    RigSampling { rate_hz: rate, samples, march_rate_hz: None }
 }
 
 fn sensors(random: &mut impl Rng, length: f64) -> RigSensors {

@@ -4,8 +4,7 @@ use frettrace_friction::FrictionLaw;
 
 use super::assembly::{Assembly, FrictionContact};
 use super::implicit::{Kind, Unknown, ports, unknowns};
-use super::propagator::Propagator;
-use super::structure::Structure;
+use super::refine::{Level, SHARE, levels};
 
 /// What is known of the contact at one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -26,25 +25,33 @@ pub struct Moment {
 #[derive(Clone, Debug)]
 pub struct March<'a, L: FrictionLaw<f64>> {
     pub(super) assembly: &'a Assembly<L>,
-    pub(super) dt: f64,
     pub(super) time: f64,
-    propagator: Propagator,
-    displacement: Vec<f64>,
-    velocity: Vec<f64>,
-    load: Vec<f64>,
+    /// The step and its halvings, and the one in use.
+    pub(super) levels: Vec<Level>,
+    pub(super) level: usize,
+    pub(super) share: f64,
+    pub(super) displacement: Vec<f64>,
+    pub(super) velocity: Vec<f64>,
+    pub(super) load: Vec<f64>,
+    /// Loads known in time, at the last sample.
+    pub(super) known: Vec<f64>,
     pub(super) unknowns: Vec<Unknown>,
     /// Ports read at every step: those of the unknown loads and of the contact.
     pub(super) ports: Vec<usize>,
-    /// Motion at `ports` per unit of each unknown load at the new sample: displacement and velocity.
-    pub(super) compliance: Vec<[f64; 2]>,
     pub(super) free: Vec<[f64; 2]>,
+    /// Unknown loads at the last sample and the two before it.
     pub(super) values: Vec<f64>,
     pub(super) older: Vec<f64>,
+    pub(super) oldest: Vec<f64>,
+    /// Time between the last sample and the one before it (s).
+    pub(super) span: f64,
     pub(super) scale: f64,
+    /// Steps marched, those taken back included.
+    pub(super) count: usize,
     pub(super) state: Option<L::State>,
     pub(super) moment: Moment,
     /// What the propagation of a step writes before the implicit loads are known.
-    next: [Vec<f64>; 3],
+    pub(super) next: [Vec<f64>; 3],
 }
 
 impl<'a, L: FrictionLaw<f64>> March<'a, L> {
@@ -57,20 +64,24 @@ impl<'a, L: FrictionLaw<f64>> March<'a, L> {
         let ports = ports(assembly, &unknowns);
         let mut march = Self {
             assembly,
-            dt,
             time: 0.0,
-            propagator: Propagator::default(),
+            levels: Vec::new(),
+            level: 0,
+            share: SHARE,
             displacement: zero.clone(),
             velocity: zero.clone(),
             load: zero.clone(),
+            known: vec![0.0; assembly.inputs.len()],
             free: vec![[0.0; 2]; ports.len()],
             values: vec![0.0; unknowns.len()],
             older: vec![0.0; unknowns.len()],
+            oldest: vec![0.0; unknowns.len()],
+            span: dt,
             scale: 0.0,
+            count: 0,
             state: assembly.friction.as_ref().map(|f| f.law.rest()),
             moment: Moment::default(),
             next: [zero.clone(), zero.clone(), zero],
-            compliance: Vec::new(),
             unknowns,
             ports,
         };
@@ -84,24 +95,26 @@ impl<'a, L: FrictionLaw<f64>> March<'a, L> {
     /// Goes on with another step (s).
     pub fn set_step(&mut self, dt: f64) {
         let structure = &self.assembly.structure;
-        self.dt = dt;
-        self.propagator = Propagator::new(structure.natural_frequency(), structure.damping_ratio(), dt);
-        self.compliance = self
-            .ports
-            .iter()
-            .flat_map(|&output| self.unknowns.iter().map(move |unknown| (output, unknown.port)))
-            .map(|(output, input)| step_response(structure, &self.propagator, output, input))
-            .collect();
-        for (index, unknown) in self.unknowns.iter_mut().enumerate() {
+        self.levels = levels(structure, [dt, self.share], (&self.ports, &self.unknowns));
+        self.level = 0;
+        self.span = dt;
+        for unknown in &mut self.unknowns {
             unknown.slope = 1.0;
-            self.older[index] = self.values[index];
         }
+        self.older.copy_from_slice(&self.values);
+    }
+
+    /// Halves steps in which the error of an implicit load's impulse exceeds `share` of the largest load's over the whole
+    /// step: 2e-4 if nothing is said, 1 never halves.
+    pub fn set_refinement(&mut self, share: f64) {
+        self.share = share;
+        self.set_step(self.levels[0].dt);
     }
 
     /// Displacement of a port per unit load at the same port at the end of one step (m/N).
     #[must_use]
     pub fn step_compliance(&self, port: usize) -> f64 {
-        step_response(&self.assembly.structure, &self.propagator, port, port)[0]
+        self.levels[0].response(&self.assembly.structure, port, port)[0]
     }
 
     /// Time (s).
@@ -113,6 +126,12 @@ impl<'a, L: FrictionLaw<f64>> March<'a, L> {
     /// Sets the clock without moving anything (s).
     pub fn set_time(&mut self, time: f64) {
         self.time = time;
+    }
+
+    /// Steps marched so far, with those that were taken back and halved.
+    #[must_use]
+    pub fn step_count(&self) -> usize {
+        self.count
     }
 
     /// The contact at the last sample.
@@ -173,56 +192,16 @@ impl<'a, L: FrictionLaw<f64>> March<'a, L> {
             .sum()
     }
 
-    /// One step; `known` holds the input loads (N) at the new sample.
+    /// One step; `known` holds the input loads (N) at the new sample. They are linear over the step.
     pub fn step(&mut self, known: &[f64]) {
-        self.time += self.dt;
-        self.propagate(known);
-        self.read_free();
-        let state = self.solve();
-        self.correct();
-        if let Some(contact) = &self.assembly.friction {
-            self.moment = self.observe(contact);
-            self.state = state;
-        }
-    }
-
-    /// Advances all modes under the known loads.
-    fn propagate(&mut self, known: &[f64]) {
-        let [displacement, velocity, load] = &mut self.next;
-        load.fill(0.0);
-        for (&port, &value) in self.assembly.inputs.iter().zip(known) {
-            for (entry, shape) in load.iter_mut().zip(self.assembly.structure.row(port)) {
-                *entry += shape * value;
-            }
-        }
-        let p = &self.propagator;
-        for (row, target) in [displacement, velocity].into_iter().enumerate() {
-            let old = self.displacement.iter().zip(&self.velocity).zip(&self.load).zip(load.iter());
-            let coefficients = p.from_displacement[row]
-                .iter()
-                .zip(&p.from_velocity[row])
-                .zip(p.from_old_load[row].iter().zip(&p.from_new_load[row]));
-            for ((entry, (((q, v), p0), p1)), ((a, b), (c, d))) in
-                target.iter_mut().zip(old).zip(coefficients)
-            {
-                *entry = a * q + b * v + c * p0 + d * p1;
-            }
-        }
-    }
-
-    /// Motion of the ports without the implicit loads.
-    fn read_free(&mut self) {
-        let [displacement, velocity, _] = &self.next;
-        for (free, &port) in self.free.iter_mut().zip(&self.ports) {
-            let row = self.assembly.structure.row(port);
-            *free = [dot(row, displacement), dot(row, velocity)];
-        }
+        self.advance(0, 1.0, known);
+        self.known.copy_from_slice(known);
     }
 
     /// Displacement and velocity of the port number `place` with the present loads.
     pub(super) fn motion(&self, place: usize) -> [f64; 2] {
         let width = self.unknowns.len();
-        let gains = &self.compliance[place * width..(place + 1) * width];
+        let gains = &self.levels[self.level].compliance[place * width..(place + 1) * width];
         let mut motion = self.free[place];
         for (gain, value) in gains.iter().zip(&self.values) {
             motion[0] += gain[0] * value;
@@ -231,28 +210,8 @@ impl<'a, L: FrictionLaw<f64>> March<'a, L> {
         motion
     }
 
-    /// Takes the implicit loads into the motion.
-    fn correct(&mut self) {
-        let structure = &self.assembly.structure;
-        let [displacement, velocity, load] = &mut self.next;
-        let gains = &self.propagator.from_new_load;
-        for (unknown, &value) in self.unknowns.iter().zip(&self.values) {
-            let entries = displacement.iter_mut().zip(velocity.iter_mut()).zip(load.iter_mut());
-            let shapes = structure.row(unknown.port).iter().zip(gains[0].iter().zip(&gains[1]));
-            for (((q, v), p), (shape, (to_q, to_v))) in entries.zip(shapes) {
-                let share = shape * value;
-                *p += share;
-                *q += to_q * share;
-                *v += to_v * share;
-            }
-        }
-        std::mem::swap(displacement, &mut self.displacement);
-        std::mem::swap(velocity, &mut self.velocity);
-        std::mem::swap(load, &mut self.load);
-    }
-
     /// The contact with the loads just solved.
-    fn observe(&self, contact: &FrictionContact<L>) -> Moment {
+    pub(super) fn observe(&self, contact: &FrictionContact<L>) -> Moment {
         let [slip, velocity] = self.motion(0);
         Moment {
             time: self.time,
@@ -264,13 +223,6 @@ impl<'a, L: FrictionLaw<f64>> March<'a, L> {
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
-/// Displacement and velocity of `output` at the end of a step per unit load at `input` at its end.
-fn step_response(structure: &Structure, propagator: &Propagator, output: usize, input: usize) -> [f64; 2] {
-    let shapes = structure.row(output).iter().zip(structure.row(input));
-    let gains = propagator.from_new_load[0].iter().zip(&propagator.from_new_load[1]);
-    shapes.zip(gains).fold([0.0; 2], |sum, ((a, b), (q, v))| [sum[0] + a * b * q, sum[1] + a * b * v])
 }

@@ -47,8 +47,10 @@ pub(super) fn ports<L>(assembly: &Assembly<L>, unknowns: &[Unknown]) -> Vec<usiz
 impl<L: FrictionLaw<f64>> March<'_, L> {
     /// Solves all implicit loads; returns the new state of the law.
     pub(super) fn solve(&mut self) -> Option<L::State> {
-        for (value, older) in self.values.iter_mut().zip(&mut self.older) {
-            (*value, *older) = (2.0 * *value - *older, *value);
+        let ahead = self.levels[self.level].dt / self.span;
+        for (index, value) in self.values.iter_mut().enumerate() {
+            let (last, before) = (*value, self.older[index]);
+            (*value, self.older[index], self.oldest[index]) = (last + (last - before) * ahead, last, before);
         }
         let mut state = self.state;
         for _ in 0..SWEEPS {
@@ -69,7 +71,7 @@ impl<L: FrictionLaw<f64>> March<'_, L> {
     /// Solves one implicit load with the others as they are.
     fn solve_one(&mut self, index: usize) -> Option<L::State> {
         let unknown = self.unknowns[index];
-        let [to_y, to_v] = self.compliance[index * self.unknowns.len() + index];
+        let [to_y, to_v] = self.levels[self.level].compliance[index * self.unknowns.len() + index];
         let value = self.values[index];
         let [y, v] = self.motion(index);
         let motion = |f: f64| [y + to_y * (f - value), v + to_v * (f - value)];
@@ -105,7 +107,7 @@ impl<L: FrictionLaw<f64>> March<'_, L> {
             slip: [self.moment.slip, slip],
             velocity: [self.moment.velocity, velocity],
             normal: [self.moment.normal, normal],
-            dt: self.dt,
+            dt: self.levels[self.level].dt,
         }
     }
 

@@ -10,13 +10,16 @@
 //! Each mode is advanced exactly for loads that are linear over the step (first-order hold), so that stiff modes cost no
 //! stability and the only error is the loads' curvature, `(ωΔt)²/12` of a harmonic at ω. The loads at the new sample are
 //! implicit: each is one scalar equation, monotone for a law that resists motion, bracketed where Newton's secant leaves
-//! the bracket; several are swept until they agree. A step is stable while the contact's presliding stiffness times its
+//! the bracket; several are swept until they agree. A step in which such a load bends or jumps (sticking begins or ends, a
+//! stop is touched) is taken back and its halves are marched, as often as it takes ([`March::set_refinement`]): no event is
+//! looked for, and none costs the order. A step is stable while the contact's presliding stiffness times its
 //! compliance within one step ([`March::step_compliance`]) stays below about 1.
 
 mod assembly;
 mod engine;
 mod implicit;
 mod propagator;
+mod refine;
 mod root;
 mod settle;
 mod structure;

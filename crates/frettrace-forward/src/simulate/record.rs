@@ -9,12 +9,11 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::filter::{LowPass, REACH};
+use super::fineness::{Fine, Marched, Marching};
 use super::foreign::ForeignLaw;
 use super::rig::{Attached, CrossTalk, SimulatedLaw, SimulatedRig, SimulatedRun, SimulatedSensor, Slip};
 use crate::ForwardError;
-use crate::march::{
-    Assembly, FrictionContact, LocalLoad, March, Normal, Port, SettleOptions, Settling, Structure, settle,
-};
+use crate::march::{Assembly, FrictionContact, LocalLoad, March, Normal, Port, Settling, Structure};
 
 /// What a run hands over, and what only the simulation knows; one number a sample.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +34,8 @@ pub struct SimulatedRecord {
     pub second_support_force: Option<Vec<f64>>,
     /// Whether the run had settled when it was recorded.
     pub settling: Settling,
+    /// How finely it was marched.
+    pub marching: Marching,
 }
 
 /// Simulates run number `index` of the rig.
@@ -74,9 +75,9 @@ impl FrictionLaw<f64> for Circumstantial {
 }
 
 #[derive(Clone, Copy)]
-struct Job<'a> {
-    rig: &'a SimulatedRig,
-    run: &'a SimulatedRun,
+pub(super) struct Job<'a> {
+    pub(super) rig: &'a SimulatedRig,
+    pub(super) run: &'a SimulatedRun,
     index: u64,
 }
 
@@ -84,16 +85,7 @@ struct Job<'a> {
 const EXCITER: usize = 0;
 const SLIP: usize = 1;
 const NORMAL: usize = 2;
-const SENSORS: usize = 3;
-
-/// Settling is first brought to this change a period on a coarse time base, …
-const COARSE_TOLERANCE: f64 = 1e-5;
-/// … of this many times the fine step, …
-const COARSENING: usize = 4;
-/// … then to this one on the fine one.
-const FINE_TOLERANCE: f64 = 1e-8;
-/// Time constants of the slowest mode after which a run that still changes is recorded as it is.
-const PATIENCE: f64 = 25.0;
+pub(super) const SENSORS: usize = 3;
 
 impl Visitor<f64> for Job<'_> {
     type Output = Result<SimulatedRecord, ForwardError>;
@@ -103,10 +95,8 @@ impl Visitor<f64> for Job<'_> {
         let mut random =
             Pcg64::seed_from_u64(self.rig.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(self.index));
         let phase = random.random_range(0.0..TAU);
-        let mut march = March::new(&assembly, 1.0);
-        let settling = self.settle(&mut march, phase);
-        let fine = self.march_record(&mut march, phase);
-        Ok(self.sample(&fine, settling, &mut random))
+        let marched = self.march(March::new(&assembly, 1.0), phase);
+        Ok(self.sample(&marched, &mut random))
     }
 }
 
@@ -182,8 +172,15 @@ impl Job<'_> {
         })
     }
 
+    /// Frequencies of the input loads over the excitation's, in the order of the assembly.
+    pub(super) fn frequency_ratios(&self) -> Vec<f64> {
+        let second = self.rig.second_force.map(|force| force.frequency_ratio);
+        let base = self.rig.base.map(|base| base.frequency_ratio);
+        [1.0, 1.0].into_iter().chain(second).chain(base).collect()
+    }
+
     /// The input loads at a time, in the order of the assembly; returns the acceleration of the base.
-    fn known(&self, phase: f64, time: f64, loads: &mut [f64]) -> f64 {
+    pub(super) fn known(&self, phase: f64, time: f64, loads: &mut [f64]) -> f64 {
         let angle = self.run.omega * time;
         loads[0] = self.run.force_amplitude * (angle + phase).sin();
         loads[1] = loads[0];
@@ -195,93 +192,55 @@ impl Job<'_> {
         *last
     }
 
-    fn settle<L: FrictionLaw<f64>>(&self, march: &mut March<'_, L>, phase: f64) -> Settling {
-        let period = TAU / self.run.omega;
-        let fine = (period * self.fine_rate()).round().max(64.0) as usize;
-        let rig = self.rig;
-        let slowest = rig.damping_ratio.iter().copied().fold(f64::INFINITY, f64::min).clamp(1e-4, 1.0)
-            * march.slowest_frequency();
-        let options = SettleOptions {
-            steps_per_period: (fine / COARSENING).max(64),
-            maximum_periods: (PATIENCE / (slowest * period)).ceil().max(50.0) as usize,
-            tolerance: COARSE_TOLERANCE,
-            ..SettleOptions::new(period)
-        };
-        let known = |time: f64, loads: &mut [f64]| {
-            self.known(phase, time, loads);
-        };
-        let coarse = settle(march, &options, known);
-        if matches!(coarse, Settling::NotPeriodic { .. }) {
-            return coarse;
-        }
-        settle(march, &SettleOptions { steps_per_period: fine, tolerance: FINE_TOLERANCE, ..options }, known)
-    }
-
-    fn fine_rate(&self) -> f64 {
+    /// Rate at which the march is recorded (Hz).
+    pub(super) fn fine_rate(&self) -> f64 {
         self.rig.sampling.rate * self.rig.sampling.oversampling as f64
     }
 
-    /// Fine samples before the first sample of the record: the filter's reach and the latest channel.
-    fn margin(&self) -> usize {
+    /// Fine samples before the first sample of the record: the filter's reach, the latest channel, the differences.
+    pub(super) fn margin(&self) -> usize {
         let late = self.rig.sensors.iter().map(|s| s.chain.delay.abs()).fold(0.0, f64::max);
-        REACH * self.rig.sampling.oversampling + (late * self.fine_rate()).ceil() as usize + 2
-    }
-
-    fn march_record<L: FrictionLaw<f64>>(&self, march: &mut March<'_, L>, phase: f64) -> Fine {
-        let count = self.rig.sampling.samples * self.rig.sampling.oversampling + 2 * self.margin();
-        let mut fine = Fine::new(self.rig.sensors.len(), count, self.rig.second_support.is_some());
-        march.set_step(1.0 / self.fine_rate());
-        let start = march.time();
-        let mut loads = vec![0.0; march.input_count()];
-        let second = self.second_support();
-        for k in 1..=count {
-            let time = start + k as f64 / self.fine_rate();
-            let base = self.known(phase, time, &mut loads);
-            march.step(&loads);
-            march.set_time(time);
-            let moment = march.moment();
-            let contact = [loads[0], moment.friction, moment.normal, moment.slip, moment.velocity];
-            for (channel, value) in fine.contact.iter_mut().zip(contact) {
-                channel.push(value);
-            }
-            fine.base.push(base);
-            for (index, channel) in fine.displacement.iter_mut().enumerate() {
-                channel.push(march.displacement(SENSORS + index));
-            }
-            if let (Some(channel), Some(index)) = (&mut fine.second, second) {
-                channel.extend(march.local_loads().nth(index));
-            }
-        }
-        fine
+        REACH * self.rig.sampling.oversampling + (late * self.fine_rate()).ceil() as usize + DIFFERENCE / 2
     }
 
     /// Place of the second support among the local loads (masses are none).
-    fn second_support(&self) -> Option<usize> {
+    pub(super) fn second_support(&self) -> Option<usize> {
         let index = self.rig.second_support?;
         let is_load = |attached: &&(f64, Attached)| matches!(attached.1, Attached::Load(_));
         Some(self.rig.attached[..index].iter().filter(is_load).count())
     }
 
-    fn sample(&self, fine: &Fine, settling: Settling, random: &mut Pcg64) -> SimulatedRecord {
+    /// A fine channel as the record has it, late by `delay` (s).
+    fn decimated(&self, channel: &[f64], delay: f64) -> Vec<f64> {
         let sampling = &self.rig.sampling;
+        let filter = LowPass::new(sampling.oversampling, delay * self.fine_rate());
         let margin = self.margin();
-        let record = |channel: &[f64], delay: f64| -> Vec<f64> {
-            let filter = LowPass::new(sampling.oversampling, delay * self.fine_rate());
-            (0..sampling.samples).map(|k| filter.at(channel, margin + k * sampling.oversampling)).collect()
+        (0..sampling.samples).map(|k| filter.at(channel, margin + k * sampling.oversampling)).collect()
+    }
+
+    /// Accelerations of the sensors' places as perfect chains record them (m/s²).
+    pub(super) fn perfect(&self, fine: &Fine) -> Vec<Vec<f64>> {
+        let record = |channel: &Vec<f64>| {
+            self.decimated(&second_derivative(channel, &fine.base, self.fine_rate()), 0.0)
         };
+        fine.displacement.iter().map(record).collect()
+    }
+
+    fn sample(&self, marched: &Marched, random: &mut Pcg64) -> SimulatedRecord {
+        let fine = &marched.fine;
         let acceleration = fine
             .displacement
             .iter()
             .zip(&self.rig.sensors)
             .map(|(channel, sensor)| {
                 let motion = self.heard(channel, sensor, fine);
-                let mut signal = record(&motion, sensor.chain.delay);
-                sensor.chain.apply(&mut signal, sampling.rate, random);
+                let mut signal = self.decimated(&motion, sensor.chain.delay);
+                sensor.chain.apply(&mut signal, self.rig.sampling.rate, random);
                 signal
             })
             .collect();
         let [force, friction_force, normal_force, slip, slip_velocity] =
-            fine.contact.each_ref().map(|channel| record(channel, 0.0));
+            fine.contact.each_ref().map(|channel| self.decimated(channel, 0.0));
         SimulatedRecord {
             acceleration,
             force,
@@ -289,8 +248,9 @@ impl Job<'_> {
             normal_force,
             slip,
             slip_velocity,
-            second_support_force: fine.second.as_ref().map(|channel| record(channel, 0.0)),
-            settling,
+            second_support_force: fine.second.as_ref().map(|channel| self.decimated(channel, 0.0)),
+            settling: marched.settling,
+            marching: marched.marching,
         }
     }
 }
@@ -319,38 +279,20 @@ impl Job<'_> {
 /// Times that the record is gone through before a filter of a measuring chain counts as settled.
 const WARM_UP: usize = 3;
 
-/// All channels on the fine time base.
-struct Fine {
-    /// Displacements of the sensors against the base.
-    displacement: Vec<Vec<f64>>,
-    /// Acceleration of the base.
-    base: Vec<f64>,
-    /// Force, friction force, normal force, slip, slip velocity.
-    contact: [Vec<f64>; 5],
-    second: Option<Vec<f64>>,
-}
+/// Samples that the second difference takes.
+const DIFFERENCE: usize = 7;
 
-impl Fine {
-    fn new(sensors: usize, count: usize, second: bool) -> Self {
-        let channel = || Vec::with_capacity(count);
-        Self {
-            displacement: (0..sensors).map(|_| channel()).collect(),
-            base: channel(),
-            contact: std::array::from_fn(|_| channel()),
-            second: second.then(channel),
-        }
-    }
-}
-
-/// Acceleration from displacement by central differences of fourth order, plus the base's.
+/// Acceleration from displacement by central differences of sixth order, plus the base's: `(ωΔt)⁶/560` of it is missing,
+/// 3e-6 at the edge of the filter with eight fine samples a sample.
 ///
 /// Modes above the fine rate ring at the kinks that the hold puts into the loads; sampled, that ringing folds onto the
 /// lines. In displacements it is negligible, in modal accelerations it is not.
 fn second_derivative(displacement: &[f64], base: &[f64], rate: f64) -> Vec<f64> {
     let mut acceleration = base.to_vec();
-    for (window, value) in displacement.windows(5).zip(&mut acceleration[2..]) {
-        let [a, b, c, d, e] = [window[0], window[1], window[2], window[3], window[4]];
-        *value += (16.0 * (b + d) - a - e - 30.0 * c) * rate * rate / 12.0;
+    for (window, value) in displacement.windows(DIFFERENCE).zip(&mut acceleration[DIFFERENCE / 2..]) {
+        let around = |k: usize| window[3 - k] + window[3 + k];
+        let sum = 270.0 * around(1) - 27.0 * around(2) + 2.0 * around(3) - 490.0 * window[3];
+        *value += sum * rate * rate / 180.0;
     }
     acceleration
 }

@@ -142,8 +142,20 @@ pub struct Sampling {
     pub rate: f64,
     /// Samples a run.
     pub samples: usize,
-    /// Steps of the march a sample.
+    /// Fine samples of the march a sample, before the anti-alias filter.
     pub oversampling: usize,
+    /// Steps of the march.
+    pub steps: Steps,
+}
+
+/// Steps of the march, before those that are halved where friction or a stop acts suddenly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Steps {
+    /// This many in a fine sample.
+    Given(usize),
+    /// One in a fine sample, halved ever further until no acceleration changes by more than this (m/s², root mean square);
+    /// 0 takes a ten-thousandth of the smallest sensor's signal.
+    Within(f64),
 }
 
 /// One run: a sinusoidal force.

@@ -38,7 +38,7 @@ fn rig() -> SimulatedRig {
         base: None,
         exciter_lever: 0.0,
         second_force: None,
-        sampling: Sampling { rate: RATE, samples: SAMPLES, oversampling: 16 },
+        sampling: Sampling { rate: RATE, samples: SAMPLES, oversampling: 16, steps: Steps::Given(1) },
         seed: 7,
     }
 }

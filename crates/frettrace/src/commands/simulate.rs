@@ -33,6 +33,8 @@ struct Row {
     level: f64,
     largest_slip: f64,
     period_in_excitation_periods: Option<usize>,
+    march_rate_hz: f64,
+    change_by_last_tightening: Option<f64>,
 }
 
 pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
@@ -42,12 +44,14 @@ pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
     let truth = (!arguments.without_truth).then_some(&made.truth);
     frettrace_measurement::write_measurement(&arguments.output, &made.measurement, truth)?;
     let rows = rows(&made);
-    session.answer(&rows, &text(&rows))
+    let note = made.truth.words.iter().find(|(name, _)| name == "note");
+    let note = note.map_or(String::new(), |(_, note)| format!("\nNote: {note}\n"));
+    session.answer(&rows, &(text(&rows) + &note))
 }
 
 fn rows(made: &Simulation) -> Vec<Row> {
-    let runs = made.measurement.runs.iter().zip(&made.truth.runs).zip(&made.settled);
-    runs.map(|((run, truth), settled)| Row {
+    let runs = made.measurement.runs.iter().zip(&made.truth.runs).zip(&made.settled).zip(&made.marching);
+    runs.map(|(((run, truth), settled), marching)| Row {
         run: run.id.clone(),
         force_amplitude: run.label.clone(),
         level: run.acceleration.iter().map(|channel| root_mean_square(channel)).fold(0.0, f64::max),
@@ -56,6 +60,8 @@ fn rows(made: &Simulation) -> Vec<Row> {
             Settling::Periodic { multiple, .. } => Some(*multiple),
             Settling::NotPeriodic { .. } => None,
         },
+        march_rate_hz: marching.rate,
+        change_by_last_tightening: marching.change,
     })
     .collect()
 }

@@ -29,6 +29,8 @@ const SECTION: [f64; 2] = [1e-4, 1.0];
 const STIFFNESS: [f64; 2] = [1.0, 1e12];
 const RATIO: [f64; 2] = [1e-6, 0.3];
 const SMALL_CHANGE: [f64; 2] = [-0.5, 0.5];
+/// Most steps of the march in a fine sample.
+const MOST_STEPS: f64 = 256.0;
 
 pub(super) fn check(rig: &Rig) -> Checked {
     let beam = &rig.beam;
@@ -106,6 +108,9 @@ fn places(rig: &Rig) -> Checked {
 fn sampling(rig: &Rig) -> Checked {
     within("sampling.rate_hz", rig.sampling.rate_hz, [10.0, 1e6])?;
     within("sampling.samples", rig.sampling.samples as f64, [64.0, 1e6])?;
+    let fine = rig.sampling.fine_rate_hz();
+    let march = rig.sampling.march_rate_hz.unwrap_or(fine);
+    within("sampling.march_rate_hz", march, [fine, MOST_STEPS * fine])?;
     within("run, number of tables", rig.runs.len() as f64, [1.0, 999.0])?;
     for (index, run) in rig.runs.iter().enumerate() {
         let place = |key: &str| format!("run {}: {key}", index + 1);

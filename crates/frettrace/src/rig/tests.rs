@@ -91,6 +91,12 @@ fn bare_mistakes_are_refused_in_one_line() {
             "sampling.samples is 10000000000; allowed: 64 to 1000000",
         ),
         (
+            "samples = 1024",
+            "samples = 1024\nmarch_rate_hz = 1e4",
+            "sampling.march_rate_hz is 10000; allowed: 65536 to 16777216",
+        ),
+        ("samples = 1024", "samples = 1024\nmarch_rate = 1e5", "unknown field `march_rate`"),
+        (
             "frequency_hz = 104.0",
             "frequency_hz = 4000.0",
             "run 1: frequency_hz is 4000; allowed: 8 to 1638.4",

@@ -158,12 +158,44 @@ fn a_foreign_effect_of_no_size_changes_nothing() {
     assert!(largest < 0.02, "{largest}");
 }
 
+/// The rig of these tests with rigid friction.
+fn coulomb() -> String {
+    RIG.replace("law = \"dahl\"", "law = \"coulomb\"")
+        .replace("sigma0_per_m = 5.0e5\n", "")
+        .replace("exponent = 1.0\n", "")
+}
+
+/// Rigid friction that sticks and slips: the steps that the noise asks for leave no more than a tenth of it against eight times
+/// the fine rate, with the same noise in both.
+#[test]
+fn steps_follow_the_noise() {
+    let made =
+        |text: &str| simulate(&parse_rig(text, Path::new("RIG.toml")).unwrap(), &Progress::silent()).unwrap();
+    let text = coulomb();
+    let finer = made(&text.replace("samples = 1024", "samples = 1024\nmarch_rate_hz = 524288.0"));
+    let found = made(&text);
+    for (run, other) in found.measurement.runs.iter().zip(&finer.measurement.runs) {
+        for (signal, other) in run.acceleration.iter().zip(&other.acceleration) {
+            let square: f64 = signal.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / 1024.0;
+            assert!(square.sqrt() < 0.1 * 0.05, "{}: {}", run.id, square.sqrt());
+        }
+    }
+    assert!(found.marching.iter().all(|marching| marching.is_met() && marching.change.is_some()));
+    assert!(finer.marching.iter().all(|marching| marching.change.is_none() && marching.rate >= 524_288.0));
+    assert!(!found.truth.words.iter().any(|(name, _)| name == "note"));
+    // No march follows a noise of 1e-9 m/s², and the truth says so.
+    let quiet = text.replace("noise_std_m_per_s2 = 0.05", "noise_std_m_per_s2 = 1e-9");
+    let quiet = made(&quiet.replace("[1.0, 8.0]", "[8.0]"));
+    let note = quiet.truth.words.iter().find(|(name, _)| name == "note").map(|(_, note)| note.as_str());
+    assert!(
+        note.is_some_and(|note| note.contains("run 0001") && note.contains("1.00e-10 wanted")),
+        "{note:?}"
+    );
+}
+
 #[test]
 fn a_friction_effect_needs_a_bristle() {
-    let coulomb = RIG
-        .replace("law = \"dahl\"", "law = \"coulomb\"")
-        .replace("sigma0_per_m = 5.0e5\n", "")
-        .replace("exponent = 1.0\n", "");
+    let coulomb = coulomb();
     let plain = parse_rig(&coulomb, Path::new("RIG.toml")).unwrap();
     assert!(simulate(&plain, &Progress::silent()).is_ok());
     let text = format!("{coulomb}\n[[effect]]\nid = \"friction.asymmetry\"\nshare = 0.1");

@@ -1,0 +1,156 @@
+//! Rigid friction on a beam, set-valued at rest: the march with halved steps against one of eight times the steps that halves
+//! none, and against the harmonic balance with the friction force held as long as the contact sticks.
+
+#![allow(clippy::unwrap_used, reason = "a test")]
+
+use std::f64::consts::TAU;
+
+use frettrace_beam::{Boundary, Dof, ModalModel, ModalOptions, UniformBeam};
+use frettrace_forward::accelerations::{AccelerationModel, Rig, RunLines, SensorSetting, Setting};
+use frettrace_forward::march::{
+    Assembly, FrictionContact, March, Normal, Port, SettleOptions, Settling, Structure, settle,
+};
+use frettrace_friction::effects::ModifiedLaw;
+use frettrace_friction::laws::Coulomb;
+use num_complex::Complex64;
+
+const OMEGA: f64 = TAU * 105.0;
+const ARM: f64 = 0.0035;
+const SPRING: f64 = 5e6;
+const PRELOAD: f64 = 60.0;
+const MU: f64 = 0.25;
+const DAMPING: f64 = 0.01;
+const MODES: usize = 40;
+const EXCITER: f64 = 0.2;
+const SENSOR: f64 = 0.33;
+/// Lines compared, up to 4.3 kHz.
+const LINES: usize = 40;
+
+fn beam() -> UniformBeam {
+    UniformBeam::rectangular(0.5, [0.03, 0.007], 2.0e11, 7850.0)
+}
+
+fn model() -> ModalModel {
+    let options = ModalOptions { modes: MODES, damping_ratio: vec![DAMPING], ..ModalOptions::default() };
+    ModalModel::new(&beam(), &Boundary::spring(SPRING), &options).unwrap()
+}
+
+fn assembly() -> Assembly<Coulomb<f64>> {
+    let displacement = |x| Port { dof: Dof::displacement(x), factor: 1.0 };
+    let slip = Port { dof: Dof::rotation(0.5), factor: ARM };
+    let ports = [displacement(EXCITER), slip, displacement(0.5), displacement(SENSOR)];
+    let normal = Normal { port: Some(2), stiffness: SPRING, ..Normal::constant(PRELOAD) };
+    Assembly {
+        structure: Structure::from_beam(&model(), &ports).unwrap(),
+        inputs: vec![0],
+        friction: Some(FrictionContact { law: Coulomb { mu_k: MU }, slip_port: 1, normal }),
+        loads: Vec::new(),
+    }
+}
+
+/// Lines of the sensor's acceleration over the settled period, and the steps that this period took.
+fn marched(force: f64, steps: usize, share: f64) -> (Vec<Complex64>, usize) {
+    let assembly = assembly();
+    let mut march = March::new(&assembly, 1.0);
+    march.set_refinement(share);
+    let period = TAU / OMEGA;
+    let options = SettleOptions { steps_per_period: steps, tolerance: 1e-9, ..SettleOptions::new(period) };
+    // A straight line between the steps loses (sin x/x)² of the excitation, x = ωΔt/2.
+    let x = TAU / 2.0 / steps as f64;
+    let known = |time: f64, loads: &mut [f64]| {
+        loads[0] = force * (x / x.sin()).powi(2) * (OMEGA * time).cos();
+    };
+    let settled = settle(&mut march, &options, known);
+    assert!(matches!(settled, Settling::Periodic { multiple: 1, .. }), "{force}: {settled:?}");
+    let (start, before) = (march.time(), march.step_count());
+    let (mut loads, mut lines) = ([0.0], vec![Complex64::ZERO; LINES + 1]);
+    for k in 1..=steps {
+        let time = start + k as f64 * period / steps as f64;
+        known(time, &mut loads);
+        march.step(&loads);
+        march.set_time(time);
+        for (h, line) in lines.iter_mut().enumerate() {
+            let scale = -2.0 / steps as f64 * (h as f64 * OMEGA).powi(2);
+            *line += Complex64::cis(-TAU * (h * k) as f64 / steps as f64) * march.displacement(3) * scale;
+        }
+    }
+    (lines, march.step_count() - before)
+}
+
+/// The same lines by harmonic balance.
+fn balanced(force: f64, order: usize) -> Vec<Complex64> {
+    let rig = Rig {
+        beam: beam(),
+        boundary: Boundary::spring(SPRING),
+        exciter: EXCITER,
+        sensors: vec![SENSOR],
+        lever: Some(ARM),
+        known_support: None,
+        modes: MODES,
+    };
+    let mut force_lines = vec![Complex64::ZERO; LINES + 1];
+    force_lines[1] = force.into();
+    let lines = RunLines {
+        omega: OMEGA,
+        preload: PRELOAD,
+        progress: 0.0,
+        force: force_lines,
+        acceleration: vec![vec![Complex64::ZERO; LINES + 1]],
+        deviation: vec![vec![1e-6 * force; LINES + 1]],
+        known_force: Vec::new(),
+        contact_order: order,
+        samples: 16 * (order + 1),
+    };
+    let setting = Setting {
+        frequency: model().natural_frequency().to_vec(),
+        damping: vec![DAMPING; MODES],
+        // Its stiffness is not used: the contact is rigid.
+        law: ModifiedLaw::dahl(1e6, MU),
+        rigid: true,
+        modulation: 0,
+        ports: Vec::new(),
+        mass: None,
+        clamp_compliance: 0.0,
+        drift: 0.0,
+        contact_compliance: 0.0,
+        base: None,
+        base_line: 0,
+        base_motion: None,
+        sensors: vec![SensorSetting::default()],
+    };
+    let model = AccelerationModel::new(rig, vec![lines]).unwrap();
+    model.predict(&setting, &[0], &mut model.memory()).unwrap().swap_remove(0).swap_remove(0)
+}
+
+/// Root mean square of the difference of the lines over that of the second.
+fn apart(a: &[Complex64], b: &[Complex64]) -> f64 {
+    let square = |lines: &mut dyn Iterator<Item = Complex64>| lines.map(|x| x.norm_sqr()).sum::<f64>();
+    let difference = square(&mut a.iter().zip(b).skip(1).map(|(a, b)| a - b));
+    (difference / square(&mut b.iter().skip(1).copied())).sqrt()
+}
+
+/// Stick and slip (6 N) and mostly slip (60 N).
+const FORCES: [f64; 2] = [6.0, 60.0];
+
+#[test]
+fn halved_steps_are_worth_eight_times_the_steps() {
+    for force in FORCES {
+        let (oracle, _) = marched(force, 8 * 512, 1.0);
+        let (plain, _) = marched(force, 512, 1.0);
+        let (halved, count) = marched(force, 512, 1e-6);
+        // Unhalved, 4096 steps put a jump up to half of one, 8e-4 of the phase, beside its place: 3e-6 to 8e-6 here.
+        let [far, near] = [apart(&plain, &oracle), apart(&halved, &oracle)];
+        assert!(near < 2e-5 && far > 5e-4, "{force}: {near:e}, without halving {far:e}");
+        assert!((513..8 * 512).contains(&count), "{force}: {count} steps");
+    }
+}
+
+/// The balance holds the force on samples and lets go between them: 9e-5 to 2e-4 of the motion, falling with its order.
+#[test]
+fn the_march_is_the_rigid_balance() {
+    for force in FORCES {
+        let (lines, _) = marched(force, 512, 1e-6);
+        let difference = apart(&balanced(force, 255), &lines);
+        assert!(difference < 3e-4, "{force}: {difference:e}");
+    }
+}
