@@ -1,6 +1,7 @@
 //! The list of cases: verification first.
 
 mod cantilever;
+mod compare_balance_codes;
 mod compare_friction_velocity;
 mod compare_haptic_pulls;
 mod compare_loop_area;
@@ -12,9 +13,11 @@ mod roller_beam;
 mod validate_finite_element_rig;
 mod verify_beam_modes;
 mod verify_friction_loops;
+mod verify_harmonic_balance;
 mod verify_memory_equation;
 pub mod verify_mode_hypotheses;
 pub mod verify_reconstruction_bands;
+mod verify_wedge_damper;
 
 use crate::case::Case;
 
@@ -22,9 +25,12 @@ use crate::case::Case;
 pub const ALL: &[Case] = &[
     verify_beam_modes::CASE,
     verify_friction_loops::CASE,
+    verify_harmonic_balance::CASE,
+    verify_wedge_damper::CASE,
     verify_memory_equation::CASE,
     verify_mode_hypotheses::CASE,
     verify_reconstruction_bands::CASE,
+    compare_balance_codes::CASE,
     compare_splines::CASE,
     validate_finite_element_rig::CASE,
     compare_loop_area::CASE,
