@@ -1,5 +1,5 @@
 use crate::fit::{Fit, FitSettings, Status, stacked};
-use crate::{IdentifyError, Model, NoSolution, Parameter, profile};
+use crate::{Identifiability, IdentifiedParameter, IdentifyError, Model, NoSolution, Parameter, profile};
 use nalgebra::DMatrix;
 
 /// How a fit is judged.
@@ -19,59 +19,6 @@ pub struct IdentifySettings {
 impl Default for IdentifySettings {
     fn default() -> Self {
         Self { fit: FitSettings::default(), profiled: Vec::new(), widest: 0.35, effective_count: None }
-    }
-}
-
-/// Whether the data tell a parameter.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Identifiability {
-    /// They do.
-    Identifiable,
-    /// They do not: why, and which experiment would.
-    NotIdentifiable {
-        /// Why.
-        reason: String,
-        /// The experiment that would tell.
-        experiment: String,
-    },
-    /// It was not free.
-    Fixed,
-}
-
-/// A parameter with its uncertainty.
-#[derive(Clone, Debug, PartialEq)]
-pub struct IdentifiedParameter {
-    /// Name.
-    pub name: String,
-    /// Unit.
-    pub unit: String,
-    /// Value.
-    pub value: f64,
-    /// Standard deviation; `None` where the parameter is not identified.
-    pub std: Option<f64>,
-    /// Interval of 95 % confidence; `None` where the parameter is not identified.
-    pub interval95: Option<(f64, f64)>,
-    /// Whether the data tell it.
-    pub identifiability: Identifiability,
-}
-
-impl IdentifiedParameter {
-    /// Widens interval and standard deviation about the value.
-    fn stretch(&mut self, ratio: f64, described: &Parameter) {
-        if !ratio.is_finite() {
-            return;
-        }
-        let transform = described.transform;
-        let centre = transform.coordinate(self.value);
-        let moved = |end: f64| transform.value(centre + ratio * (transform.coordinate(end) - centre));
-        self.std = self.std.map(|std| ratio * std);
-        self.interval95 = self.interval95.map(|(low, high)| (moved(low), moved(high)));
-    }
-
-    /// Whether the data tell it.
-    #[must_use]
-    pub fn is_identifiable(&self) -> bool {
-        self.identifiability == Identifiability::Identifiable
     }
 }
 
@@ -139,20 +86,44 @@ impl Identified {
         parameter.interval95 = parameter.interval95.map(|(a, b)| (moved(a), moved(b)));
     }
 
-    /// Takes all intervals back: a model that does not describe the data has no parameters to know.
-    pub fn withhold(&mut self, reason: &str) {
-        for parameter in self.parameters.iter_mut().filter(|p| p.is_identifiable()) {
-            parameter.std = None;
-            parameter.interval95 = None;
-            parameter.identifiability =
-                Identifiability::NotIdentifiable { reason: reason.to_owned(), experiment: String::new() };
+    /// Judges the intervals anew once all that is not known has widened them: a parameter whose interval is wider than
+    /// `widest` (as in [`IdentifySettings`]) is not identifiable, and has none.
+    pub fn settle(&mut self, described: &[Parameter], widest: f64) {
+        for (parameter, described) in self.parameters.iter_mut().zip(described) {
+            let transform = described.transform;
+            let Some((low, high)) = parameter.interval95.filter(|_| parameter.is_identifiable()) else {
+                continue;
+            };
+            let width = transform.coordinate(high) - transform.coordinate(low);
+            let known = 2.0 * described.widest(transform.coordinate(parameter.value), widest);
+            if width > known || width.is_nan() {
+                parameter.loosen((low, high), &described.experiment);
+            }
         }
     }
 
-    /// The sum of two parameters as one, with the interval their covariance gives; not identifiable where either is
-    /// not and its uncertainty is unknown.
+    /// Takes all intervals back: a model that does not describe the data has no parameters to know.
+    pub fn withhold(&mut self, reason: &str, experiment: &str) {
+        for parameter in self.parameters.iter_mut().filter(|p| p.is_bounded()) {
+            parameter.std = None;
+            parameter.interval95 = None;
+            parameter.identifiability = Identifiability::NotIdentifiable {
+                bounded: false,
+                reason: reason.to_owned(),
+                experiment: experiment.to_owned(),
+            };
+        }
+    }
+
+    /// The sum of two parameters as one, with the interval their covariance gives, which may be narrow where those of the
+    /// two are wide; not identifiable where it is wider than `widest` of its value, or the data do not bound both.
     #[must_use]
-    pub fn sum(&self, (first, second): (usize, usize), described: &[Parameter]) -> IdentifiedParameter {
+    pub fn sum(
+        &self,
+        (first, second): (usize, usize),
+        described: &[Parameter],
+        widest: f64,
+    ) -> IdentifiedParameter {
         let (a, b) = (&self.parameters[first], &self.parameters[second]);
         let slope = |j: usize| described[j].transform.slope(self.parameters[j].value);
         let (sa, sb) = (slope(first), slope(second));
@@ -160,20 +131,22 @@ impl Identified {
             + sb * sb * self.covariance[(second, second)]
             + 2.0 * sa * sb * self.covariance[(first, second)];
         let value = a.value + b.value;
-        let known = a.is_identifiable() && b.is_identifiable() && variance.is_finite();
-        let std = known.then(|| variance.max(0.0).sqrt());
-        IdentifiedParameter {
+        let unknown = [a, b].into_iter().find(|p| !p.is_bounded());
+        let std = (unknown.is_none() && variance.is_finite()).then(|| variance.max(0.0).sqrt());
+        let mut sum = IdentifiedParameter {
             name: format!("{} + {}", a.name, b.name),
             unit: a.unit.clone(),
             value,
             std,
             interval95: std.map(|s| (value - 1.96 * s, value + 1.96 * s)),
-            identifiability: if a.is_identifiable() {
-                b.identifiability.clone()
-            } else {
-                a.identifiability.clone()
-            },
+            identifiability: unknown.map_or(Identifiability::Identifiable, |p| p.identifiability.clone()),
+        };
+        if let Some((low, high)) =
+            sum.interval95.filter(|(low, high)| high - low > 2.0 * widest * value.abs())
+        {
+            sum.loosen((low, high), &described[second].experiment);
         }
+        sum
     }
 
     /// Widens intervals where a covariance that knows more of the noise is larger than that of the fit.
@@ -288,6 +261,7 @@ impl<'a, M: Model> Judged<'a, M> {
             identifiability,
         };
         let not = |reason: &str| Identifiability::NotIdentifiable {
+            bounded: false,
             reason: reason.to_owned(),
             experiment: parameter.experiment.clone(),
         };
@@ -304,12 +278,13 @@ impl<'a, M: Model> Judged<'a, M> {
                 not("the data do not bound it: other parameters make up for any change"),
             );
         };
-        if high - low > 2.0 * parameter.widest(transform.coordinate(value), widest) {
-            return named(None, None, not("the 95 % interval is too wide to call it known"));
-        }
         let std = self.covariance[(j, j)].sqrt() * transform.slope(value).abs();
         let interval = (transform.value(low), transform.value(high));
-        named(Some(std), Some(interval), Identifiability::Identifiable)
+        let mut found = named(Some(std), Some(interval), Identifiability::Identifiable);
+        if high - low > 2.0 * parameter.widest(transform.coordinate(value), widest) {
+            found.loosen(interval, &parameter.experiment);
+        }
+        found
     }
 }
 

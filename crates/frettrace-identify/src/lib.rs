@@ -9,6 +9,7 @@ mod error;
 pub mod evidence;
 mod fit;
 mod groups;
+mod identifiability;
 mod identified;
 mod model;
 mod parameter;
@@ -18,9 +19,8 @@ mod systematic;
 pub use error::IdentifyError;
 pub use fit::{Fit, FitSettings, ManyFits, Status, fit, fit_from_many, starts};
 pub use groups::{GroupTest, Grouping, test_groups};
-pub use identified::{
-    Identifiability, Identified, IdentifiedParameter, IdentifySettings, ResidualStatistics, identify,
-};
+pub use identifiability::{Identifiability, IdentifiedParameter};
+pub use identified::{Identified, IdentifySettings, ResidualStatistics, identify};
 pub use model::{Model, NoSolution};
 pub use parameter::{Parameter, Prior, Transform};
 pub use systematic::{Held, correct_by, widen_by_groups, widen_by_held, widen_to_accuracy};

@@ -110,6 +110,7 @@ fn last_step(
     let mut identified = identify(&model, &best, &judge)?;
     if let Some(covariance) = noise::covariance(&model, &best.values, &best.free) {
         identified.widen(&covariance, model.parameters());
+        identified.settle(model.parameters(), judge.widest);
     }
     steps.push(report("all parameters on all levels", &model, &best.values, |_| true));
     let error = model.relative_error(&best.values);

@@ -1,5 +1,8 @@
 use super::{FitSettings, Status, fit, fit_from_many, starts};
-use crate::{Identifiability, IdentifySettings, Model, NoSolution, Parameter, Transform, identify};
+use crate::{
+    Identifiability, IdentifiedParameter, IdentifySettings, Model, NoSolution, Parameter, Transform,
+    identify, widen_to_accuracy,
+};
 use nalgebra::DMatrix;
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
@@ -254,6 +257,90 @@ fn factors_of_a_product_are_not_identifiable() {
     assert!(
         matches!(&c.identifiability, Identifiability::NotIdentifiable { experiment, .. } if experiment == "fix a")
     );
+}
+
+/// Two readings, `a + b = 1.1 ± 0.001` and `b = 0.1 ± 0.001`.
+struct Parts([Parameter; 2]);
+
+impl Model for Parts {
+    type Memory = ();
+
+    fn parameters(&self) -> &[Parameter] {
+        &self.0
+    }
+
+    fn residual_count(&self) -> usize {
+        2
+    }
+
+    fn memory(&self) {}
+
+    fn residual(&self, p: &[f64], (): &mut (), residual: &mut [f64]) -> Result<(), NoSolution> {
+        residual.copy_from_slice(&[(p[0] + p[1] - 1.1) / 1e-3, (p[1] - 0.1) / 1e-3]);
+        Ok(())
+    }
+
+    fn linearise(
+        &self,
+        p: &[f64],
+        _: &[bool],
+        memory: &mut (),
+        (residual, jacobian): (&mut [f64], &mut DMatrix<f64>),
+    ) -> Result<(), NoSolution> {
+        jacobian.copy_from(&DMatrix::from_row_slice(2, 2, &[1e3, 1e3, 0.0, 1e3]));
+        self.residual(p, memory, residual)
+    }
+}
+
+/// `b` is known to a standard deviation of 1 %. With an accuracy of a quarter on top its half interval is 49 %, more than the 35 % of
+/// what counts as known; with one of a tenth it is 20 %. That of the sum is `1.96 √(1² + 0.1²)/1.1 = 1.8` times the accuracy.
+#[test]
+fn what_widening_leaves_too_wide_is_not_identifiable() {
+    let parameter = |name: &str| Parameter::positive(name, "m", (1e-6, 1e6)).told_by("weigh them");
+    let model = Parts([parameter("a"), parameter("b")]);
+    let fit = fit(&model, &[1.0, 0.2], &FitSettings::default()).unwrap();
+    let widest = IdentifySettings::default().widest;
+    let settled = |accuracy: f64| {
+        let mut identified = identify(&model, &fit, &IdentifySettings::default()).unwrap();
+        assert!(identified.parameters.iter().all(IdentifiedParameter::is_identifiable));
+        widen_to_accuracy(&model, &mut identified, accuracy);
+        identified.settle(model.parameters(), widest);
+        identified
+    };
+    assert!(settled(0.1).parameters.iter().all(IdentifiedParameter::is_identifiable));
+    let loose = settled(0.25);
+    for found in &loose.parameters {
+        assert!(found.std.is_none() && found.interval95.is_none() && found.is_bounded(), "{found:?}");
+        let Identifiability::NotIdentifiable { reason, experiment, .. } = &found.identifiability else {
+            panic!("{found:?}")
+        };
+        assert!(
+            reason.contains("too wide") && reason.contains(" m,") && experiment == "weigh them",
+            "{reason}"
+        );
+    }
+    assert!(!loose.sum((0, 1), model.parameters(), widest).is_identifiable());
+    let sum = settled(0.1).sum((0, 1), model.parameters(), widest);
+    let (low, high) = sum.interval95.unwrap();
+    assert!(((high - low) / 2.0 / sum.value / 0.1 - 1.96 * 1.01_f64.sqrt() / 1.1).abs() < 1e-3, "{sum:?}");
+}
+
+/// `b` alone is not told where its reading is bad; the sum is, to its own reading.
+#[test]
+fn a_sum_may_be_known_where_a_part_is_not() {
+    let parameter = |name: &str| Parameter::positive(name, "m", (1e-6, 1e6));
+    let model = Parts([parameter("a"), parameter("b")]);
+    let mut fit = fit(&model, &[1.0, 0.2], &FitSettings::default()).unwrap();
+    // χ² a thousand times too large: readings good to √1000 times what they claim, 32 % of `b`.
+    fit.data_cost = 1000.0;
+    let identified =
+        identify(&model, &fit, &IdentifySettings { profiled: vec![false; 2], ..Default::default() });
+    let identified = identified.unwrap();
+    let widest = IdentifySettings::default().widest;
+    assert!(!identified.parameter("b").unwrap().is_identifiable(), "{identified:?}");
+    let sum = identified.sum((0, 1), model.parameters(), widest);
+    // 0.001 times √1000 of the inflation.
+    assert!((sum.std.unwrap_or_default() - 1e-3 * 1000.0_f64.sqrt()).abs() < 1e-6, "{sum:?}");
 }
 
 #[test]

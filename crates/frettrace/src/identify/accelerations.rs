@@ -4,6 +4,7 @@ mod aperiodic;
 mod described;
 mod groups;
 mod joint;
+mod judged;
 mod loops;
 mod problem;
 mod support;
@@ -20,7 +21,7 @@ use frettrace_identify::contact::{
     ContactFit, ContactHistory, ContactModel, ContactSettings, Extras, Family, identify_contact,
 };
 use frettrace_identify::evidence::{Candidate, rank};
-use frettrace_identify::{GroupTest, Identified, widen_to_accuracy};
+use frettrace_identify::{GroupTest, Identified, IdentifySettings, Model, widen_to_accuracy};
 use frettrace_measurement::Measurement;
 use groups::{Condition, conditions};
 use loops::Loops;
@@ -156,7 +157,7 @@ fn one_law(
     let found = start.settings.iter().map(|s| Setting { law: s.law, ..own.clone() });
     let settings: Vec<Setting> = leading.into_iter().chain(found).collect();
     let found = joint::fit(&mut study, &settings)?;
-    let judgement = joint::judged(&study, &found, conditions)?;
+    let judgement = judged::judged(&study, &found, conditions)?;
     let (fitted, aperiodic) = (found.fitted, found.aperiodic.runs);
     let (identified, tests) = (judgement.identified, judgement.tests);
     let mut steps = start.steps;
@@ -226,6 +227,7 @@ fn without_periods(
         let values = found.law_values();
         let model = ContactModel::new(family, used.clone(), &values, Extras::default());
         widen_to_accuracy(&model, &mut found.identified, aperiodic::ACCURACY);
+        found.identified.settle(model.parameters(), IdentifySettings::default().widest);
         if best.as_ref().is_none_or(|best| found.error < best.error) {
             best = Some(found);
         }

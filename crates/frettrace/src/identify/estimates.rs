@@ -18,10 +18,10 @@ pub(crate) fn estimate(parameter: &IdentifiedParameter) -> Estimate {
 /// What a reader must know of a parameter that is not identified.
 pub(super) fn remark(name: &str, parameter: &IdentifiedParameter) -> Option<String> {
     match &parameter.identifiability {
-        Identifiability::NotIdentifiable { reason, experiment } if experiment.is_empty() => {
+        Identifiability::NotIdentifiable { reason, experiment, .. } if experiment.is_empty() => {
             Some(format!("{name} is not identifiable: {reason}"))
         }
-        Identifiability::NotIdentifiable { reason, experiment } => {
+        Identifiability::NotIdentifiable { reason, experiment, .. } => {
             Some(format!("{name} is not identifiable: {reason}; what would tell: {experiment}"))
         }
         _ => None,

@@ -12,7 +12,7 @@ use frettrace_explain::Study;
 use frettrace_forward::accelerations::Quantity;
 use frettrace_friction::effects::Hook;
 use frettrace_identify::contact::ContactFit;
-use frettrace_identify::{IdentifiedParameter, Parameter};
+use frettrace_identify::{IdentifiedParameter, IdentifySettings, Parameter};
 use frettrace_measurement::Measurement;
 use std::collections::BTreeMap;
 
@@ -108,7 +108,7 @@ fn published(joint: &Joint) -> Vec<IdentifiedParameter> {
             Quantity::Law(Hook::Sigma0) if joint.family.is_static() => None,
             Quantity::Law(Hook::StribeckRise) => {
                 let both = (place(Hook::MuKinetic)?, place(Hook::StribeckRise)?);
-                let sum = joint.identified.sum(both, &described);
+                let sum = joint.identified.sum(both, &described, IdentifySettings::default().widest);
                 Some(IdentifiedParameter { name: "mu_s".to_owned(), ..sum })
             }
             Quantity::Law(_) => Some(parameter.clone()),

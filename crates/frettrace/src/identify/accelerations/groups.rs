@@ -4,8 +4,8 @@ use super::Joint;
 use crate::results::{Dependence, GroupEstimate};
 use frettrace_forward::accelerations::Quantity;
 use frettrace_friction::effects::Hook;
-use frettrace_identify::GroupTest;
 use frettrace_identify::evidence::STRONG;
+use frettrace_identify::{GroupTest, IdentifiedParameter};
 use frettrace_measurement::{Measurement, Run};
 use std::collections::BTreeMap;
 
@@ -83,9 +83,10 @@ pub(super) fn described(
     for (condition, tests) in conditions.iter().zip(tests).filter(|(_, tests)| !tests.is_empty()) {
         let mut parameters = BTreeMap::new();
         for test in tests {
-            let name = joint.identified.parameters[test.parameter].name.clone();
+            let shared = &joint.identified.parameters[test.parameter];
+            let name = shared.name.clone();
             let estimate = GroupEstimate {
-                differs: test.evidence > STRONG,
+                differs: test.evidence > STRONG && beyond(test, shared),
                 evidence: test.evidence,
                 values: test.values.iter().map(|(value, _)| *value).collect(),
                 std: test.values.iter().map(|(_, std)| *std).collect(),
@@ -107,9 +108,34 @@ pub(super) fn described(
     (found, notes)
 }
 
+/// Whether the groups lie further apart than the interval of the shared value, which knows what the model itself is off by: series
+/// that are cut off, and runs that pull in different directions.
+fn beyond(test: &GroupTest, shared: &IdentifiedParameter) -> bool {
+    let values = || test.values.iter().map(|(value, _)| *value);
+    let apart = values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min);
+    shared.interval95.is_none_or(|(low, high)| apart > 0.5 * (high - low))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::condition;
+    use super::{beyond, condition};
+    use frettrace_identify::{GroupTest, Identifiability, IdentifiedParameter};
+
+    /// Values 1 % apart under an interval of ±2 % and of ±0.5 %; without an interval nothing speaks against them.
+    #[test]
+    fn groups_that_differ_by_less_than_is_known_do_not_differ() {
+        let test = GroupTest { parameter: 0, evidence: 42.0, values: vec![(1.005, 1e-4), (0.995, 1e-4)] };
+        let shared = |half: Option<f64>| IdentifiedParameter {
+            name: "sigma0".to_owned(),
+            unit: "1/m".to_owned(),
+            value: 1.0,
+            std: half.map(|h| h / 1.96),
+            interval95: half.map(|h| (1.0 - h, 1.0 + h)),
+            identifiability: Identifiability::Identifiable,
+        };
+        assert!(!beyond(&test, &shared(Some(0.02))));
+        assert!(beyond(&test, &shared(Some(0.005))) && beyond(&test, &shared(None)));
+    }
 
     #[test]
     fn equal_values_are_one_group_and_many_values_two() {

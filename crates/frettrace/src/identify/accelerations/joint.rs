@@ -1,18 +1,14 @@
-//! Step (v): law and structure together against the accelerations, and what may be said of the result.
+//! Step (v): law and structure together against the accelerations.
 
 use super::aperiodic::Aperiodic;
-use super::groups::{Condition, tested};
 use super::problem::{self, Problem};
 use super::support::{self, Support};
 use crate::StudyError;
-use frettrace_explain::{ExplainError, Fitted, Study, Unknown, positive, signed};
-use frettrace_forward::accelerations::{AccelerationModel, Quantity, Rig, RunLines, Setting};
+use frettrace_explain::{ExplainError, Fitted, Study, Unknown, positive};
+use frettrace_forward::accelerations::{AccelerationModel, Quantity, RunLines, Setting};
 use frettrace_friction::effects::Hook;
 use frettrace_identify::contact::Family;
-use frettrace_identify::{
-    FitSettings, GroupTest, Grouping, Held, Identified, IdentifySettings, Model, Parameter, Transform,
-    correct_by, identify, starts, test_groups, widen_by_groups, widen_by_held, widen_to_accuracy,
-};
+use frettrace_identify::{FitSettings, Model, Parameter, Transform, starts};
 use rayon::prelude::*;
 
 /// Linearisations of a fit: a good start needs less than ten.
@@ -27,19 +23,9 @@ const ROUNDS: usize = 3;
 /// Share of a line, and ten times that of the loudest line, to which it counts at first.
 const SOFT: f64 = 0.02;
 /// Linearisations of each of them: what is not near by then is not worth more.
-const FEW_ITERATIONS: usize = 12;
-/// Share of a period in which the contact is at its limit from which it slides beyond doubt.
-const SLIDING: f64 = 0.1;
-/// Friction that a contact which only sticks may have as well.
-const MORE_FRICTION: f64 = 1.3;
-/// Difference of χ² that a limit which touches the noise may gain: that of five standard deviations.
-const LIKE: f64 = 25.0;
+pub(super) const FEW_ITERATIONS: usize = 12;
 /// Linearisations with which a found minimum is made sharp.
 const POLISH: usize = 40;
-/// No accelerometer and no load cell keeps its calibration from run to run better than to this share.
-const CALIBRATION: f64 = 5e-4;
-/// No two models of the same beam and contact agree better than to this share of a parameter.
-const ACCURACY: f64 = 5e-4;
 
 /// Lines of the excitation with which a fit begins, and the accuracy to which they predict a line, as a share of it and, ten
 /// times less, of the loudest.
@@ -47,11 +33,6 @@ const COARSE: usize = 64;
 const COARSE_ACCURACY: f64 = 3e-3;
 /// Times that the force of a second support is fitted anew beside law and structure.
 const RENEWALS: usize = 3;
-/// Power of what a series misses over that of what half as many lines again change of it: kinks make it fall by the square of
-/// the lines, so that they change it by a half.
-const CUT: f64 = 4.0;
-/// Error over that of the noise from which a law is not that of the contact.
-const MISFIT: f64 = 1.5;
 
 /// Imbalance of a line that still counts as balanced where a run does not close to less, in standard deviations: it
 /// adds a tenth to the variance.
@@ -63,7 +44,7 @@ pub(super) struct Found {
     support: Option<Support>,
     pub(super) aperiodic: Aperiodic,
     /// Relative standard deviation of the mean normal force under the unknown mean of a second support's force.
-    normal_doubt: f64,
+    pub(super) normal_doubt: f64,
 }
 
 impl Found {
@@ -72,7 +53,7 @@ impl Found {
         self.support.is_some() || !self.aperiodic.runs.is_empty()
     }
 
-    fn beside(&self) -> problem::Beside<'_> {
+    pub(super) fn beside(&self) -> problem::Beside<'_> {
         let aperiodic = Some(&self.aperiodic).filter(|a| !a.runs.is_empty());
         problem::Beside { support: self.support.as_ref(), aperiodic }
     }
@@ -317,132 +298,4 @@ fn softer(setting: &Setting) -> Vec<Setting> {
             moved
         })
         .to_vec()
-}
-
-/// What may be said of a joint fit.
-pub(super) struct Judgement {
-    pub(super) identified: Identified,
-    /// One test a condition and parameter.
-    pub(super) tests: Vec<Vec<GroupTest>>,
-}
-
-/// Intervals: by covariance where a parameter is sharp, by profile where it is not; calibration and model accuracy on top.
-pub(super) fn judged(
-    study: &Study<'_>,
-    found: &Found,
-    conditions: &[Condition],
-) -> Result<Judgement, StudyError> {
-    let fitted = &found.fitted;
-    let count = fitted.unknowns.len();
-    let sensors = study.case.rig.sensors.len();
-    let mut unknowns = fitted.unknowns.clone();
-    let gain = |k| signed(Quantity::Gain(k), ("gain", "1"), CALIBRATION, (0.5, 2.0));
-    unknowns.extend((0..sensors).map(gain));
-    let mut fit = fitted.fit.clone();
-    fit.values.resize(count + sensors, 1.0);
-    fit.free.resize(count + sensors, false);
-    fit.at_bound.resize(count + sensors, false);
-    let problem = Problem::new(study, fitted, (&unknowns, found.beside()));
-    let mut settings = IdentifySettings {
-        profiled: vec![false; count + sensors],
-        fit: FitSettings {
-            max_iterations: 4,
-            relative_tolerance: 1e-5,
-            absolute_tolerance: 0.05,
-            ..FitSettings::default()
-        },
-        ..IdentifySettings::default()
-    };
-    let plain = identify(&problem, &fit, &settings)?;
-    for (j, unknown) in fitted.unknowns.iter().enumerate() {
-        let parameter = &plain.parameters[j];
-        let share = parameter.std.map_or(f64::INFINITY, |s| s / parameter.value.abs());
-        settings.profiled[j] = matches!(unknown.quantity, Quantity::Law(_)) && (0.1..0.3).contains(&share);
-    }
-    let mut judged =
-        if settings.profiled.contains(&true) { identify(&problem, &fit, &settings)? } else { plain };
-    let held: Vec<(usize, f64)> = (count..count + sensors).map(|k| (k, CALIBRATION)).collect();
-    let sizes = problem.sizes();
-    let runs = [&study.training[..], &found.aperiodic.runs].concat();
-    let wanted = tested(fitted.unknowns.iter().map(|u| u.quantity));
-    let tests = conditions.iter().map(|condition| {
-        let group: Vec<usize> = runs.iter().map(|run| condition.group[*run]).collect();
-        let grouping = Grouping { sizes: &sizes, group: &group };
-        test_groups(&problem, (&fit, &judged), grouping, &wanted)
-    });
-    let tests: Vec<Vec<GroupTest>> = tests.collect();
-    widen_by_groups(&problem, &fit, &mut judged, &sizes);
-    widen_by_held(&problem, &fit, &mut judged, &Held { parameters: &held, sizes: &sizes });
-    widen_to_accuracy(&problem, &mut judged, ACCURACY.hypot(found.normal_doubt));
-    let mut cut = 0.0;
-    if let Some(change) = truncation(study, fitted) {
-        cut = (CUT * change.iter().map(|d| d * d).sum::<f64>() / fitted.fit.data_cost).min(1.0);
-        correct_by(&problem, &fit, &mut judged, &problem.change(change));
-    }
-    if found.aperiodic.runs.is_empty() && only_sticks(study, fitted) {
-        judged.withhold(
-            "the contact hardly slides in the runs that take part: what it held is only a lower bound of its friction; what would \
-             tell: runs at higher levels",
-        );
-    }
-    let ratio = study.error(fitted, &study.training).ratio() * (1.0_f64 - cut).sqrt();
-    if ratio > MISFIT {
-        judged.withhold(&format!(
-            "with this law the error is {ratio:.1} times that of the noise: its parameters describe no part of the contact"
-        ));
-    }
-    Ok(Judgement { identified: judged, tests })
-}
-
-/// Whether a rigid contact with much more friction describes the runs as well: χ² of a contact that sticks falls where the
-/// limit touches the noise, and its curvature there says nothing of larger limits.
-fn only_sticks(study: &Study<'_>, fitted: &Fitted) -> bool {
-    if !fitted.setting.holds_rigidly() || study.training.iter().any(|run| slides(study, fitted, *run)) {
-        return false;
-    }
-    let mut stronger = fitted.setting.clone();
-    for hook in [Hook::MuKinetic, Hook::StribeckRise] {
-        if let Some(value) = stronger.law.get(hook) {
-            stronger.law.set(hook, MORE_FRICTION * value);
-        }
-    }
-    let others: Vec<Unknown> =
-        fitted.unknowns.iter().filter(|u| !matches!(u.quantity, Quantity::Law(_))).cloned().collect();
-    let Ok(found) = study.fit(stronger, &others, &fitted.memory, FEW_ITERATIONS) else { return false };
-    let inflation = (fitted.fit.data_cost / study.residual_count().max(1) as f64).max(1.0);
-    found.fit.cost - fitted.fit.cost < LIKE * inflation
-}
-
-/// Whether the contact is at its kinetic limit, or above it, for a good part of a period.
-fn slides(study: &Study<'_>, fitted: &Fitted, run: usize) -> bool {
-    let Ok(contact) = study.model.contact(&fitted.setting, run, &mut fitted.memory.clone()) else {
-        return false;
-    };
-    let limit = 0.99 * fitted.setting.law.get(Hook::MuKinetic).unwrap_or_default();
-    let at_limit =
-        contact.force.iter().zip(&contact.normal).filter(|(force, normal)| force.abs() >= limit * **normal);
-    at_limit.count() as f64 > SLIDING * contact.force.len() as f64
-}
-
-/// What longer series and finer grids change in the whitened prediction; `None` where their balance does not close.
-fn truncation(study: &Study<'_>, fitted: &Fitted) -> Option<Vec<f64>> {
-    let rig = Rig { modes: 2 * study.model.rig.modes, ..study.model.rig.clone() };
-    let finer = |run: &RunLines| RunLines {
-        contact_order: 3 * run.contact_order / 2,
-        samples: 2 * run.samples,
-        ..run.clone()
-    };
-    let model = AccelerationModel::new(rig, study.model.runs.iter().map(finer).collect()).ok()?;
-    let fine = model.predict(&fitted.setting, &study.training, &mut model.memory()).ok()?;
-    let coarse = study.model.predict(&fitted.setting, &study.training, &mut fitted.memory.clone()).ok()?;
-    let mut change = Vec::with_capacity(study.residual_count());
-    for ((run, fine), coarse) in study.training.iter().zip(&fine).zip(&coarse) {
-        for (s, deviation) in study.model.runs[*run].deviation.iter().enumerate() {
-            for ((a, b), std) in fine[s].iter().zip(&coarse[s]).zip(deviation) {
-                let d = (a - b) / *std;
-                change.extend([d.re, d.im]);
-            }
-        }
-    }
-    Some(change)
 }
