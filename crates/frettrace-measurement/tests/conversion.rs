@@ -312,3 +312,17 @@ fn a_guess_is_close_to_a_description() {
     assert_eq!(text.matches("[[channels.acceleration]]").count(), 2, "{text}");
     assert!(text.contains("kind = \"measurement\"") && text.contains("unit = \"m/s^2\"   # unit?"), "{text}");
 }
+
+/// The proposed description is TOML whatever the file is called.
+#[test]
+fn a_guess_takes_any_name() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["Lauf 1 ü.csv", "a \"first\" try.csv", "it's.csv", "测量.csv"] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, "Time [s],Load [kN],Stroke [mm]\n0,1,2\n0.01,2,3\n0.02,1,4\n").unwrap();
+        let text = guess(&path).unwrap();
+        let line = text.lines().find(|line| line.starts_with("file = ")).unwrap();
+        let read: toml::Table = toml::from_str(line).unwrap();
+        assert_eq!(read["file"].as_str(), Some(name), "{line}");
+    }
+}

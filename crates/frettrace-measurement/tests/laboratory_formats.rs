@@ -72,7 +72,7 @@ fn units_are_read_where_the_file_states_them() {
 #[test]
 fn every_spoilt_file_is_told_what_is_wrong() {
     let files = samples("bad_");
-    assert_eq!(files.len(), 10);
+    assert_eq!(files.len(), 15);
     let mut wrong = Vec::new();
     for path in files {
         let message = std::fs::read_to_string(format!("{}.message", path.display())).unwrap();

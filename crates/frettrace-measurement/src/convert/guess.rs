@@ -24,18 +24,23 @@ pub fn guess(path: impl AsRef<Path>) -> Result<String, Error> {
     if contact {
         let _ = writeln!(
             text,
-            "\n[[runs]]\nfile = \"{}\"\n# label, from = \"… s\", to = \"… s\", preload = \"… N\"",
-            file_name(path)
+            "\n[[runs]]\nfile = {}\n# label, from = \"… s\", to = \"… s\", preload = \"… N\"",
+            quoted(&file_name(path))
         );
     } else {
         text.push_str(RIG);
         let _ = writeln!(
             text,
-            "[[runs]]\nfile = \"{}\"\nexcitation_frequency = \"… Hz\"\npreload = \"… N\"",
-            file_name(path)
+            "[[runs]]\nfile = {}\nexcitation_frequency = \"… Hz\"\npreload = \"… N\"",
+            quoted(&file_name(path))
         );
     }
     Ok(text)
+}
+
+/// A text as TOML writes it: names of files may hold quotation marks.
+fn quoted(text: &str) -> String {
+    toml::Value::from(text).to_string()
 }
 
 const RIG: &str = r#"

@@ -44,6 +44,8 @@ def delimited():
     message("bad_ragged.csv", "line 3: the row has 2 fields where the others have 3; complete or remove it")
     text("bad_word.csv", "t,f,u\n0,1,2\n0.1,overflow,2\n0.2,1,2\n")
     message("bad_word.csv", "line 3: `overflow` is not a number; mend or remove the row")
+    text("bad_gap.tsv", "Time [s]\tForce [N]\n0\t1\n0.005\t\n0.01\t2\n")
+    message("bad_gap.tsv", "line 3: the row has 1 fields where the others have 2; complete or remove it")
     text("bad_prose.txt", "This is a letter.\nThere are no data in it.\n")
     message("bad_prose.txt", "whole file: there are no numbers in it; export the channels as columns of numbers")
     open("bad_binary.bin", "wb").write(bytes(range(256)))
@@ -64,6 +66,9 @@ def lvm():
     text("good_labview.lvm", LVM_HEAD.format(".") + LVM_CHANNELS.format("0.005", "0.005") + body)
     body = "X_Value\tForce\tSlip\tComment\n" + rows("\t", comma=True)
     text("good_labview_comma.lvm", LVM_HEAD.format(",") + LVM_CHANNELS.format("0,005", "0,005") + body)
+    whole = open("good_labview.lvm").read()
+    text("bad_word.lvm", whole.replace("\t-1.25\t", "\toff\t", 1))
+    message("bad_word.lvm", "line 22: `off` is not a number; mend or remove the row")
     text("bad_labview.lvm", "LabVIEW Measurement\t\nWriter_Version\t2\n0\t1\t2\n")
     message("bad_labview.lvm", "header: the file breaks the rules of its format (there is no end of the header); export it again")
 
@@ -93,6 +98,12 @@ def matlab():
     whole = open("good_v5.mat", "rb").read()
     open("bad_v5_cut.mat", "wb").write(whole[:300])
     message("bad_v5_cut.mat", "whole file: the file breaks the rules of its format (an array is cut short or damaged); export it again")
+    whole = open("good_v7_compressed.mat", "rb").read()
+    open("bad_v7_cut.mat", "wb").write(whole[:-40])
+    message("bad_v7_cut.mat", "whole file: the file breaks the rules of its format (an array is cut short or damaged); export it again")
+    whole = open("good_v73.mat", "rb").read()
+    open("bad_v73_cut.mat", "wb").write(whole[: len(whole) * 3 // 4])
+    message("bad_v73_cut.mat", "/: cannot be read (invalid data: address 0x22f8 lies beyond the end of the file); copy the file again or write it anew with h5py")
 
 
 def uff_set(values, name, **other):
@@ -128,6 +139,9 @@ def uff():
     whole = open("good_text.uff").read()
     text("bad_cut.uff", whole[:1150])
     message("bad_cut.uff", "dataset 58 number 1: the file ends after 12 of 20 values; export or copy it again")
+    binary = open("good_binary.uff", "rb").read()
+    open("bad_binary_cut.uff", "wb").write(binary[:1050])
+    message("bad_binary_cut.uff", "dataset 58 number 1: the file ends after 16 of 20 values; export or copy it again")
     text("bad_word.uff", whole.replace("2.5", "two", 1))
     message("bad_word.uff", "dataset 58 number 1: the file breaks the rules of its format (a value is not a number); export it again")
 
