@@ -72,9 +72,9 @@ fn main() -> anyhow::Result<()> {
             x_label: "excitation frequency [Hz]",
             y_label: "tip / force [m/N]",
             logarithmic: true,
-            curves: curves.map(|(n, (name, x, y))| Curve { name, role: Role::Number(n), x, y }).collect(),
+            curves: curves.map(|(n, (name, x, y))| Curve::line(name, Role::Number(n), x, y)).collect(),
         };
-        std::fs::write(path, chart.svg(Ink::File))?;
+        std::fs::write(path, chart.picture(Ink::File).svg)?;
     }
     Ok(())
 }

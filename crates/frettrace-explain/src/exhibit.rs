@@ -50,6 +50,8 @@ pub(crate) struct Traces {
     pub shares: [Vec<f64>; 3],
     /// Residual before and after at each time, quadratic mean over the sensors, in standard deviations of the noise.
     pub residual: [Vec<f64>; 2],
+    /// The same for each sensor.
+    pub sensors: [Vec<Vec<f64>>; 2],
     /// Mean square acceleration (m²/s⁴).
     pub mean_square: f64,
 }
@@ -78,6 +80,7 @@ fn exhibit(case: &Case, model: &AccelerationModel, outcome: &Outcome, run: usize
         let sensors = lines.acceleration.iter().zip(of).zip(&lines.deviation);
         sensors.map(|((measured, predicted), deviation)| reduced(measured, predicted, deviation)).collect()
     };
+    let sensors = [&predicted_before, &predicted_after].map(|of| in_time(lines, of));
     Some(Exhibit {
         run,
         recovered: shown([&recovered.slip, &recovered.velocity, &recovered.force], period),
@@ -86,7 +89,8 @@ fn exhibit(case: &Case, model: &AccelerationModel, outcome: &Outcome, run: usize
         residual: [residual(&predicted_before), residual(&predicted_after)],
         traces: Traces {
             shares: [&recovered.slip, &recovered.velocity, &recovered.normal].map(|of| share(of)),
-            residual: [&predicted_before, &predicted_after].map(|of| in_time(lines, of)),
+            residual: sensors.each_ref().map(|of| over_sensors(of)),
+            sensors,
             mean_square: lines.acceleration.iter().flat_map(|of| &of[1..]).map(|x| 0.5 * x.norm_sqr()).sum(),
         },
         acceleration: [sampled(&lines.acceleration), sampled(&predicted_before), sampled(&predicted_after)],
@@ -103,21 +107,26 @@ fn share(values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// `√(1/S Σ_s r_s(t)²/Σ_h σ_sh²)` with `r(t) = Re Σ_h (m_h − p_h) e^{ihΩt}`: 1 at every time for noise alone.
-fn in_time(lines: &RunLines, predicted: &Prediction) -> Vec<f64> {
-    let mut square = vec![0.0; SAMPLES];
-    for ((measured, predicted), deviation) in lines.acceleration.iter().zip(predicted).zip(&lines.deviation) {
+/// `|r_s(t)|/√(Σ_h σ_sh²)` of each sensor with `r(t) = Re Σ_h (m_h − p_h) e^{ihΩt}`: 1 in quadratic mean for noise alone.
+fn in_time(lines: &RunLines, predicted: &Prediction) -> Vec<Vec<f64>> {
+    let sensors = lines.acceleration.iter().zip(predicted).zip(&lines.deviation);
+    let one = |((measured, predicted), deviation): ((&Vec<Complex64>, &Vec<Complex64>), &Vec<f64>)| {
         let known = |h: usize| deviation[h].is_finite() && deviation[h] > 0.0;
         let left = measured.iter().zip(predicted).enumerate();
         let left: Vec<Complex64> =
             left.map(|(h, (m, p))| if known(h) { m - p } else { Complex64::ZERO }).collect();
         let variance: f64 =
             (1..deviation.len()).filter(|h| known(*h)).map(|h| deviation[h] * deviation[h]).sum();
-        for (sum, r) in square.iter_mut().zip(period_of(lines.omega, &left)) {
-            *sum += r * r / variance.max(f64::MIN_POSITIVE);
-        }
-    }
-    square.into_iter().map(|sum| (sum / lines.acceleration.len().max(1) as f64).sqrt()).collect()
+        let std = variance.max(f64::MIN_POSITIVE).sqrt();
+        period_of(lines.omega, &left).into_iter().map(|r| r.abs() / std).collect()
+    };
+    sensors.map(one).collect()
+}
+
+/// Quadratic mean over the sensors at every time.
+fn over_sensors(of: &[Vec<f64>]) -> Vec<f64> {
+    let mean = |t: usize| of.iter().map(|sensor| sensor[t].powi(2)).sum::<f64>() / of.len().max(1) as f64;
+    (0..SAMPLES).map(|t| mean(t).sqrt()).collect()
 }
 
 fn predicted(

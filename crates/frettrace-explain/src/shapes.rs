@@ -22,7 +22,7 @@ pub struct Shape {
     pub residual: [Vec<f64>; 2],
 }
 
-/// Shapes against slip, slip velocity, normal force, phase, level, run and sensor; none without exhibits.
+/// Shapes against slip, slip velocity, normal force, phase, level, time (the order of the runs) and sensor; none without exhibits.
 #[must_use]
 pub fn shapes(shown: &[Exhibit]) -> Vec<Shape> {
     if shown.is_empty() {
@@ -37,7 +37,7 @@ pub fn shapes(shown: &[Exhibit]) -> Vec<Shape> {
     let phase = |exhibit: &Exhibit, t: usize| t as f64 / exhibit.time.len() as f64;
     let mut by_phase = binned(shown, ("phase", "periods"), phase);
     by_phase.centre.iter_mut().for_each(|centre| *centre = 0.5 * (*centre + 1.0));
-    found.extend([by_phase, by_level(shown), by_run(shown), by_sensor(shown)]);
+    found.extend([by_phase, by_level(shown), by_time(shown), by_sensor(shown)]);
     found
 }
 
@@ -71,10 +71,15 @@ fn by_level(shown: &[Exhibit]) -> Shape {
     Shape { against: "level", unit: "m/s² RMS of all sensors", centre, residual: of_runs(&order) }
 }
 
-fn by_run(shown: &[Exhibit]) -> Shape {
+fn by_time(shown: &[Exhibit]) -> Shape {
     let order: Vec<&Exhibit> = shown.iter().collect();
     let centre = order.iter().map(|exhibit| exhibit.run as f64 + 1.0).collect();
-    Shape { against: "run", unit: "number, in the order measured", centre, residual: of_runs(&order) }
+    Shape {
+        against: "time",
+        unit: "number of the run, in the order measured",
+        centre,
+        residual: of_runs(&order),
+    }
 }
 
 fn of_runs(order: &[&Exhibit]) -> [Vec<f64>; 2] {
@@ -111,6 +116,7 @@ mod tests {
         let traces = Traces {
             shares: [slip.clone(), slip.clone(), vec![0.0; slip.len()]],
             residual: [before, vec![1.0; slip.len()]],
+            sensors: Default::default(),
             mean_square: 4.0,
         };
         let exhibit = Exhibit {
@@ -123,7 +129,7 @@ mod tests {
         let found = shapes(&[exhibit]);
         // The normal force that does not move has no shape.
         let names: Vec<_> = found.iter().map(|shape| shape.against).collect();
-        assert_eq!(names, ["slip", "slip velocity", "phase", "level", "run", "sensor"]);
+        assert_eq!(names, ["slip", "slip velocity", "phase", "level", "time", "sensor"]);
         for (centre, residual) in found[0].centre.iter().zip(&found[0].residual[0]) {
             assert!((residual - if *centre > 0.5 { 3.0 } else { 1.0 }).abs() < 1e-12, "{centre}: {residual}");
         }

@@ -65,6 +65,45 @@ pub enum StudyError {
         /// What is wrong with it.
         source: serde_json::Error,
     },
+    /// Figures of a kind that a file does not hold.
+    #[error("{}: {what} has no {wanted}; it has {offered}", path.display())]
+    NoFigures {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        what: &'static str,
+        /// The kinds asked for.
+        wanted: String,
+        /// The kinds there are.
+        offered: String,
+    },
+    /// A file from which no report can be made.
+    #[error("{}: {what} has no report; give the result of `frettrace explain`", path.display())]
+    NoReport {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        what: &'static str,
+    },
+    /// A measurement beside a file that is not compared with one.
+    #[error("{}: {what} is not compared with a measurement; leave --measured out", path.display())]
+    NotCompared {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        what: &'static str,
+    },
+    /// A reconstruction of another measurement.
+    #[error(
+        "{}: run {run} is not in the measurement with as many samples and sensors; give the file it was reconstructed from",
+        path.display()
+    )]
+    Unlike {
+        /// The file.
+        path: PathBuf,
+        /// Name of the run.
+        run: String,
+    },
     /// A rig with an unknown key, a missing one or a bare mistake.
     #[error("{}: line {line}: {message}", path.display())]
     RigSyntax {

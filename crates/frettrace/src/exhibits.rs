@@ -1,7 +1,7 @@
 //! What the report draws, mapped from the exhibits of the explanation.
 
-use crate::results::{ContactCurve, ContactLoop, Exhibits, ResidualShape, Waveform};
-use frettrace_explain::{Exhibit, Loop, Shape, shapes};
+use crate::results::{ContactCurve, ContactLoop, Exhibits, ResidualMap, ResidualShape, Waveform};
+use frettrace_explain::{Exhibit, Loop, Shape, maps, shapes};
 use frettrace_measurement::Measurement;
 
 /// Loops of all runs, the worst channel of each held-out run, and the shape of the residual.
@@ -12,6 +12,7 @@ pub fn exhibits(measurement: &Measurement, shown: &[Exhibit], held_out: &[usize]
         loops: shown.iter().map(|exhibit| contact_loop(measurement, exhibit, held_out)).collect(),
         waveforms: waveforms.map(|exhibit| waveform(measurement, exhibit)).collect(),
         residual: shapes(shown).into_iter().map(shape).collect(),
+        maps: maps(shown).into_iter().map(map).collect(),
     }
 }
 
@@ -65,6 +66,20 @@ fn shape(given: Shape) -> ResidualShape {
         centre: rounded(&given.centre),
         before: rounded(&before),
         after: rounded(&after),
+    }
+}
+
+fn map(given: frettrace_explain::ResidualMap) -> ResidualMap {
+    let [before, after] = given.residual.map(|rows| rows.iter().map(|row| rounded(row)).collect());
+    ResidualMap {
+        across: given.across.name.into(),
+        across_unit: given.across.unit.into(),
+        x: rounded(&given.across.centre),
+        up: given.up.name.into(),
+        up_unit: given.up.unit.into(),
+        y: rounded(&given.up.centre),
+        before,
+        after,
     }
 }
 

@@ -1,10 +1,11 @@
 //! Results written beside their place, then renamed: a failed command leaves no half-written file.
 
 use crate::StudyError;
+use crate::report::Figure;
 use serde::{Serialize, de::DeserializeOwned};
 use std::{
     io::{Read, Write},
-    path::Path,
+    path::{Path, PathBuf},
 };
 
 /// Writes `text` to `path` in one act: the file is there complete, or not at all.
@@ -12,10 +13,18 @@ use std::{
 /// # Errors
 /// [`StudyError::Write`] when the folder is missing or may not be written to.
 pub fn write_text(path: &Path, text: &str) -> Result<(), StudyError> {
+    write_bytes(path, text.as_bytes())
+}
+
+/// Writes `bytes` to `path` in one act.
+///
+/// # Errors
+/// [`StudyError::Write`] when the folder is missing or may not be written to.
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), StudyError> {
     let failed = |source| StudyError::Write { path: path.to_owned(), source };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut beside = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
-    beside.write_all(text.as_bytes()).map_err(failed)?;
+    beside.write_all(bytes).map_err(failed)?;
     share(&beside).map_err(failed)?;
     beside.persist(path).map_err(|error| failed(error.error))?;
     Ok(())
@@ -31,6 +40,26 @@ fn share(file: &tempfile::NamedTempFile) -> std::io::Result<()> {
 #[cfg(not(unix))]
 fn share(_: &tempfile::NamedTempFile) -> std::io::Result<()> {
     Ok(())
+}
+
+/// Writes figures into a folder, as SVG and where they were drawn so as PNG, and says where; the folder is made where it is
+/// missing.
+///
+/// # Errors
+/// [`StudyError::Write`] when the folder cannot be made or written to.
+pub fn write_figures(folder: &Path, figures: &[Figure]) -> Result<Vec<PathBuf>, StudyError> {
+    make_folder(folder)?;
+    let mut files = Vec::new();
+    for figure in figures {
+        let forms = [("svg", Some(figure.svg.as_bytes())), ("png", figure.png.as_deref())];
+        for (ending, bytes) in forms.into_iter().filter_map(|(ending, bytes)| Some((ending, bytes?))) {
+            // Names of runs may hold dots, so that an ending is added and none replaced.
+            let path = folder.join(format!("{}.{ending}", figure.name));
+            write_bytes(&path, bytes)?;
+            files.push(path);
+        }
+    }
+    Ok(files)
 }
 
 /// Makes a folder where it is missing.

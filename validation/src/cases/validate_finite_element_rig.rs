@@ -99,10 +99,10 @@ fn figure(levels: &[Level]) -> String {
         y_label: "relative error [1]",
         logarithmic: true,
         curves: curves
-            .map(|(number, (&name, y))| Curve { name, role: Role::Number(number), x: &force, y })
+            .map(|(number, (&name, y))| Curve::line(name, Role::Number(number), &force, y))
             .collect(),
     };
-    chart.svg(Ink::File)
+    chart.picture(Ink::File).svg
 }
 
 /// The experiment and its four models, each fitted to the experiment's own contact force.

@@ -102,7 +102,7 @@ fn draw(time: &[f64], forces: &[(String, Vec<f64>)]) -> anyhow::Result<()> {
         .iter()
         .zip(&cut)
         .enumerate()
-        .map(|(index, ((name, _), y))| Curve { name, role: Role::Number(index), x: &milli[..y.len()], y })
+        .map(|(index, ((name, _), y))| Curve::line(name, Role::Number(index), &milli[..y.len()], y))
         .collect();
     let chart = Chart {
         title: "Contact force after the onset of sticking",
@@ -112,6 +112,6 @@ fn draw(time: &[f64], forces: &[(String, Vec<f64>)]) -> anyhow::Result<()> {
         curves,
     };
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/verify_memory_equation");
-    fs::write(folder.join("stick_onset.svg"), chart.svg(Ink::File))?;
+    fs::write(folder.join("stick_onset.svg"), chart.picture(Ink::File).svg)?;
     Ok(())
 }

@@ -33,10 +33,7 @@ pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
     let measurement = frettrace_measurement::read_measurement(&arguments.file)?;
     let levels = hypotheses(&measurement, &session.progress)?;
     if let Some(folder) = &arguments.plots {
-        store::make_folder(folder)?;
-        for figure in report::levels::figures(&levels, Ink::File) {
-            store::write_text(&folder.join(figure.name).with_extension("svg"), &figure.svg)?;
-        }
+        store::write_figures(folder, &report::levels::figures(&levels, Ink::File))?;
     }
     let found = Answer { modes: modes(&measurement)?, levels };
     let head = "mode  declared [Hz]  measured [Hz]  std [Hz]  difference  damping\n";

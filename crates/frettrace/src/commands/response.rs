@@ -51,10 +51,8 @@ pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
     let found = response(&rig, &options, &session.progress)?;
     frettrace_measurement::write_response(&arguments.output, &found.file(&rig.title))?;
     if let Some(folder) = &arguments.figures {
-        store::make_folder(folder)?;
-        for figure in responses::figures(&DataFile::open(&arguments.output)?, Ink::File)? {
-            store::write_text(&folder.join(figure.name).with_extension("svg"), &figure.svg)?;
-        }
+        let figures = responses::figures(&DataFile::open(&arguments.output)?, Ink::File)?;
+        store::write_figures(folder, &figures)?;
     }
     session.answer(&found, &text(&found))
 }

@@ -1,6 +1,7 @@
 //! A contact record: what the declared law lacks, told by motion and force of the contact itself.
 
 mod figures;
+mod maps;
 #[cfg(test)]
 mod tests;
 

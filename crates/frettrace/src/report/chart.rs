@@ -1,91 +1,68 @@
-//! Charts as SVG text, in ink of the page they stand on.
+//! Charts as SVG text and as PNG, in ink of the page they stand on.
 //!
-//! Charts are drawn with marker colours; [`Ink`] replaces them: by CSS variables in the report, so that one picture
-//! serves light, dark and print, and by fixed colours in files that stand alone.
+//! Colours are CSS variables in the report, so that one picture serves light, dark and print, and fixed in files that stand alone.
 
+mod ink;
+mod map;
+mod png;
+mod rows;
+mod sheet;
+#[cfg(test)]
+mod tests;
+
+pub use ink::{Ink, Role};
+pub use map::{Axis, Map};
+pub use rows::{Row, Rows};
+pub use sheet::Picture;
+
+use ink::Palette;
+use plotters::element::DashedPathElement;
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, VPos};
+use sheet::{Drawing, Drawn, FINE, LETTER, LINE, MARGIN, Sheet, WIDTH, picture, power, range, short, width};
 
-/// Marker colours of the four roles a mark can have.
-const PAPER: RGBColor = RGBColor(1, 2, 3);
-const TEXT: RGBColor = RGBColor(4, 5, 6);
-const GRID: RGBColor = RGBColor(7, 8, 9);
-const SERIES: [RGBColor; 3 + NUMBERED.len()] = {
-    let mut markers = [RGBColor(0, 0, 0); 3 + NUMBERED.len()];
-    let mut index = 0;
-    while index < markers.len() {
-        let first = 10 + 3 * index as u8;
-        markers[index] = RGBColor(first, first + 1, first + 2);
-        index += 1;
-    }
-    markers
-};
-/// Colours of numbered curves, as many as a ladder of levels has rungs or a beam sensors: in the order of the spectrum, so that
-/// the order of levels shows; dark at both ends and light in the middle, so that those that colour-blindness brings together
-/// differ in lightness.
-const NUMBERED: [&str; 8] =
-    ["#2a1a6e", "#1f6fd0", "#00a0a8", "#2a9d3a", "#a8a000", "#e08a00", "#d43a1f", "#8a0a3c"];
-
-/// Where a chart will stand.
+/// How the points of a curve are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ink {
-    /// In the report: colours are CSS variables of the page.
-    Page,
-    /// In a file of its own: dark on white.
-    File,
-}
-
-impl Ink {
-    /// Colours in the order paper, text, grid, roles.
-    fn colours(self) -> [&'static str; 6] {
-        match self {
-            Self::Page => [
-                "var(--paper)",
-                "var(--text)",
-                "var(--grid)",
-                "var(--measured)",
-                "var(--before)",
-                "var(--after)",
-            ],
-            Self::File => ["#ffffff", "#1a1a1a", "#dddddd", "#1a1a1a", "#d55e00", "#0072b2"],
-        }
-    }
-}
-
-/// Role of a curve; its colour is the same in every chart.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
-    /// What was measured or recovered.
-    Measured,
-    /// The declared model.
-    Before,
-    /// The model with the effects in it.
-    After,
-    /// One of several curves of equal standing, by its number.
-    Number(usize),
-}
-
-impl Role {
-    fn index(self) -> usize {
-        match self {
-            Self::Measured => 0,
-            Self::Before => 1,
-            Self::After => 2,
-            Self::Number(number) => 3 + number % NUMBERED.len(),
-        }
-    }
+enum Mark {
+    Line,
+    Dashes,
+    Dots,
 }
 
 /// One curve.
 #[derive(Clone, Debug)]
 pub struct Curve<'a> {
-    /// Name in the legend.
-    pub name: &'a str,
-    /// Role, which gives the colour.
-    pub role: Role,
-    /// Abscissae.
-    pub x: &'a [f64],
-    /// Ordinates; points that are not finite leave a gap.
-    pub y: &'a [f64],
+    name: &'a str,
+    role: Role,
+    mark: Mark,
+    x: &'a [f64],
+    y: &'a [f64],
+}
+
+impl<'a> Curve<'a> {
+    /// A line through points; points that are not finite leave a gap. A curve without a name is not in the legend.
+    #[must_use]
+    pub fn line(name: &'a str, role: Role, x: &'a [f64], y: &'a [f64]) -> Self {
+        Self { name, role, mark: Mark::Line, x, y }
+    }
+
+    /// The same, dashed.
+    #[must_use]
+    pub fn dashed(name: &'a str, role: Role, x: &'a [f64], y: &'a [f64]) -> Self {
+        Self { mark: Mark::Dashes, ..Self::line(name, role, x, y) }
+    }
+
+    /// The points themselves.
+    #[must_use]
+    pub fn dots(name: &'a str, role: Role, x: &'a [f64], y: &'a [f64]) -> Self {
+        Self { mark: Mark::Dots, ..Self::line(name, role, x, y) }
+    }
+
+    fn style(&self, palette: Palette) -> ShapeStyle {
+        let width = if self.role == Role::Measured && self.mark == Mark::Line { 10 } else { 7 };
+        let style = palette.role(self.role).stroke_width(width);
+        if self.mark == Mark::Dots { style.filled() } else { style }
+    }
 }
 
 /// A chart of curves over common axes.
@@ -103,65 +80,123 @@ pub struct Chart<'a> {
     pub curves: Vec<Curve<'a>>,
 }
 
-const SIZE: (u32, u32) = (560, 380);
+/// Height of the axes and what stands beside them, in pixels.
+const BODY: i32 = 290;
+/// Length of the stroke before a name in the legend, in pixels.
+const STROKE: i32 = 18;
+/// Most letters of a name in the legend.
+const LONGEST: usize = 40;
 
-impl Chart<'_> {
-    /// The chart as one SVG element.
-    #[must_use]
-    pub fn svg(&self, ink: Ink) -> String {
-        let mut text = String::new();
-        {
-            let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-            let drawn = self.draw(&root);
-            debug_assert!(drawn.is_ok(), "drawing into a string cannot fail");
-        }
-        dress(&text, ink, self.title)
+/// A name in the legend: its place in pixels, from the legend's corner.
+struct Entry {
+    name: String,
+    curve: usize,
+    place: (i32, i32),
+}
+
+impl Drawn for Chart<'_> {
+    fn title(&self) -> &str {
+        self.title
     }
 
-    fn draw(&self, root: &Area<'_>) -> Result<(), Drawing> {
+    fn height(&self) -> i32 {
+        self.legend().1 + BODY
+    }
+
+    fn draw<DB: DrawingBackend>(&self, sheet: &Sheet<DB>) -> Result<(), Drawing<DB>> {
+        let (entries, height) = self.legend();
+        let (above, below) = sheet.split(height);
+        entries.iter().try_for_each(|entry| self.name(&above, entry))?;
+        self.axes(&below)
+    }
+}
+
+impl Chart<'_> {
+    /// The chart in the forms asked for.
+    #[must_use]
+    pub fn picture(&self, ink: Ink) -> Picture {
+        picture(self, ink)
+    }
+
+    /// Names in rows above the axes, where they hide nothing, and the height they take; one curve alone needs no name.
+    fn legend(&self) -> (Vec<Entry>, i32) {
+        let named: Vec<usize> = (0..self.curves.len()).filter(|k| !self.curves[*k].name.is_empty()).collect();
+        if named.len() < 2 {
+            return (Vec::new(), 0);
+        }
+        let (mut x, mut row) = (2 * MARGIN, 0);
+        let mut entries = Vec::new();
+        for curve in named {
+            let name = sheet::shortened(self.curves[curve].name, LONGEST);
+            let wide = STROKE + 5 + width(&name, LETTER);
+            if x > 2 * MARGIN && x + wide > WIDTH - MARGIN {
+                (x, row) = (2 * MARGIN, row + 1);
+            }
+            entries.push(Entry { name, curve, place: (x, row * LINE) });
+            x += wide + 14;
+        }
+        (entries, (row + 1) * LINE)
+    }
+
+    fn name<DB: DrawingBackend>(&self, sheet: &Sheet<DB>, entry: &Entry) -> Result<(), Drawing<DB>> {
+        let (x, y) = (entry.place.0 * FINE, entry.place.1 * FINE);
+        let middle = y + LINE * FINE / 2;
+        let curve = &self.curves[entry.curve];
+        let (area, style) = (&sheet.area, curve.style(sheet.palette));
+        let ends = [(x, middle), (x + STROKE * FINE, middle)];
+        match curve.mark {
+            Mark::Line => area.draw(&PathElement::new(ends, style))?,
+            Mark::Dashes => {
+                area.draw(&DashedPathElement::new(ends, DASH, GAP, style))?;
+            }
+            Mark::Dots => area.draw(&Circle::new((x + STROKE * FINE / 2, middle), DOT, style))?,
+        }
+        let style = sheet.letters(LETTER, HPos::Left, VPos::Center);
+        area.draw_text(&entry.name, &style, (x + (STROKE + 5) * FINE, middle))
+    }
+
+    fn axes<DB: DrawingBackend>(&self, sheet: &Sheet<DB>) -> Result<(), Drawing<DB>> {
+        let palette = sheet.palette;
         let shown: Vec<Vec<(f64, f64)>> = self.curves.iter().map(|curve| self.points(curve)).collect();
         let x = range(shown.iter().flatten().map(|point| point.0));
         let y = range(shown.iter().flatten().map(|point| point.1));
-        root.fill(&PAPER)?;
-        let mut chart = ChartBuilder::on(root)
-            .caption(self.title, ("sans-serif", 18).into_font().color(&TEXT))
-            .margin(10)
-            .x_label_area_size(42)
-            .y_label_area_size(72)
-            .build_cartesian_2d(x.clone(), y.clone())?;
-        let place = emptiest(&shown, &x, &y);
         let [across, up] = [&x, &y].map(|range| range.end - range.start);
+        let mut chart = ChartBuilder::on(&sheet.area)
+            .margin(MARGIN * FINE)
+            .x_label_area_size(40 * FINE)
+            .y_label_area_size(66 * FINE)
+            .build_cartesian_2d(x, y)?;
         let plain_x = |value: &f64| short(*value, across);
         let plain_y = |value: &f64| short(*value, up);
-        let power = |exponent: &f64| format!("{:.1e}", 10_f64.powf(*exponent));
+        let power = |exponent: &f64| power(*exponent);
         chart
             .configure_mesh()
             .x_labels(6)
             .y_labels(6)
-            .light_line_style(PAPER)
-            .bold_line_style(GRID)
-            .axis_style(TEXT)
-            .label_style(("sans-serif", 13).into_font().color(&TEXT))
+            .light_line_style(palette.paper())
+            .bold_line_style(sheet.line(palette.grid()))
+            .axis_style(sheet.line(palette.text()))
+            .label_style(sheet.labels())
+            .set_all_tick_mark_size(4 * FINE)
             .x_label_formatter(&plain_x)
             .y_label_formatter(if self.logarithmic { &power } else { &plain_y })
             .x_desc(self.x_label)
             .y_desc(self.y_label)
             .draw()?;
-        for (curve, points) in self.curves.iter().zip(shown) {
-            let colour = SERIES[curve.role.index()];
-            let style = colour.stroke_width(if curve.role == Role::Measured { 3 } else { 2 });
-            chart
-                .draw_series(pieces(&points).map(|piece| PathElement::new(piece, style)))?
-                .label(curve.name)
-                .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 18, y)], style));
+        for (curve, points) in self.curves.iter().zip(&shown) {
+            let style = curve.style(palette);
+            match curve.mark {
+                Mark::Line => {
+                    chart.draw_series(pieces(points).map(|piece| PathElement::new(piece, style)))?
+                }
+                Mark::Dashes => chart.draw_series(
+                    pieces(points).map(|piece| DashedPathElement::new(piece, DASH, GAP, style)),
+                )?,
+                Mark::Dots => {
+                    chart.draw_series(pieces(points).flatten().map(|point| Circle::new(point, DOT, style)))?
+                }
+            };
         }
-        chart
-            .configure_series_labels()
-            .position(place)
-            .label_font(("sans-serif", 13).into_font().color(&TEXT))
-            .background_style(PAPER)
-            .border_style(GRID)
-            .draw()?;
         Ok(())
     }
 
@@ -172,8 +207,9 @@ impl Chart<'_> {
     }
 }
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
-type Drawing = DrawingAreaErrorKind<std::io::Error>;
+const DASH: i32 = 6 * FINE;
+const GAP: i32 = 4 * FINE;
+const DOT: i32 = 3 * FINE;
 
 /// Runs of consecutive finite points.
 fn pieces(points: &[(f64, f64)]) -> impl Iterator<Item = Vec<(f64, f64)>> + '_ {
@@ -181,113 +217,4 @@ fn pieces(points: &[(f64, f64)]) -> impl Iterator<Item = Vec<(f64, f64)>> + '_ {
         .split(|(x, y)| !(x.is_finite() && y.is_finite()))
         .filter(|piece| !piece.is_empty())
         .map(<[_]>::to_vec)
-}
-
-/// Smallest range that holds all finite values, with a margin of 5 %; never empty.
-fn range(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
-    let (low, high) = values
-        .filter(|value| value.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
-    if low > high {
-        return 0.0..1.0;
-    }
-    let margin = if high > low { 0.05 * (high - low) } else { low.abs().max(1.0) * 0.05 };
-    low - margin..high + margin
-}
-
-/// The ninth of the plot with the fewest points in it: there the legend hides least.
-fn emptiest(
-    shown: &[Vec<(f64, f64)>],
-    x: &std::ops::Range<f64>,
-    y: &std::ops::Range<f64>,
-) -> SeriesLabelPosition {
-    use SeriesLabelPosition as At;
-    let places = [
-        [At::LowerRight, At::MiddleRight, At::UpperRight],
-        [At::LowerLeft, At::MiddleLeft, At::UpperLeft],
-        [At::LowerMiddle, At::MiddleMiddle, At::UpperMiddle],
-    ];
-    let third = |value: f64, range: &std::ops::Range<f64>| {
-        (3.0 * (value - range.start) / (range.end - range.start)).clamp(0.0, 2.0) as usize
-    };
-    let mut counts = [[0_usize; 3]; 3];
-    for (across, up) in shown.iter().flatten().filter(|(x, y)| x.is_finite() && y.is_finite()) {
-        let column = [1, 2, 0][third(*across, x)];
-        counts[column][third(*up, y)] += 1;
-    }
-    let all = places.into_iter().flatten().zip(counts.into_iter().flatten());
-    all.min_by_key(|(_, count)| *count).map_or(At::UpperRight, |(place, _)| place)
-}
-
-/// A number with few digits, for an axis that spans `span`.
-fn short(value: f64, span: f64) -> String {
-    if value.abs() < 1e-9 * span {
-        "0".into()
-    } else if (1e-3..1e5).contains(&value.abs()) {
-        format!("{:.4}", value).trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        format!("{value:.1e}")
-    }
-}
-
-/// Replaces marker colours, makes the picture scale with the page, and names it for screen readers.
-fn dress(svg: &str, ink: Ink, title: &str) -> String {
-    let markers = [PAPER, TEXT, GRID].into_iter().chain(SERIES);
-    let mut text = svg.to_owned();
-    for (marker, colour) in markers.zip(ink.colours().into_iter().chain(NUMBERED)) {
-        text = text.replace(&format!("#{:02X}{:02X}{:02X}", marker.0, marker.1, marker.2), colour);
-    }
-    let size = format!("width=\"{}\" height=\"{}\"", SIZE.0, SIZE.1);
-    let label = format!("role=\"img\" aria-label=\"{}\"", super::escape(title));
-    match ink {
-        Ink::Page => text.replacen(&size, &label, 1),
-        Ink::File => text.replacen(&size, &format!("{size} {label}"), 1),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn chart<'a>(x: &'a [f64], y: &'a [f64]) -> Chart<'a> {
-        let curves = vec![Curve { name: "measured", role: Role::Measured, x, y }];
-        Chart { title: "a <loop>", x_label: "slip [m]", y_label: "force [N]", logarithmic: false, curves }
-    }
-
-    /// No marker colour is left, and the page's picture takes its colours from the page.
-    #[test]
-    fn colours_belong_to_the_page() {
-        let (x, y) = ([0.0, 1.0, 2.0], [0.0, 1.0, 0.5]);
-        let page = chart(&x, &y).svg(Ink::Page);
-        assert!(page.contains("var(--measured)") && page.contains("var(--paper)"), "{page}");
-        assert!(!page.contains("#0") && page.contains("a &lt;loop&gt;"), "{page}");
-        assert!(chart(&x, &y).svg(Ink::File).contains("#ffffff"));
-    }
-
-    /// A gap cuts the line in two; nothing that is not a number reaches the picture.
-    #[test]
-    fn a_gap_cuts_the_line() {
-        let svg = chart(&[0.0, 1.0, 2.0, 3.0, 4.0], &[0.0, 1.0, f64::NAN, 1.0, 0.0]).svg(Ink::File);
-        assert!(!svg.contains("NaN") && !svg.contains("inf"));
-        assert_eq!(pieces(&[(0.0, 0.0), (1.0, f64::NAN), (2.0, 0.0)]).count(), 2);
-    }
-
-    /// Eight levels have eight colours, all of them in the picture.
-    #[test]
-    fn eight_levels_are_told_apart() {
-        let (x, y) = ([0.0, 1.0], [[0.0, 1.0], [1.0, 2.0], [2.0, 3.0], [3.0, 4.0]]);
-        let names: Vec<String> = (0..8).map(|level| format!("level {level}")).collect();
-        let curves = names.iter().enumerate().map(|(level, name)| {
-            let y = &y[level % y.len()];
-            Curve { name, role: Role::Number(level), x: &x, y }
-        });
-        let chart = Chart { curves: curves.collect(), ..chart(&x, &y[0]) };
-        let svg = chart.svg(Ink::File);
-        assert!(NUMBERED.iter().all(|colour| svg.contains(colour)), "{svg}");
-    }
-
-    #[test]
-    fn an_empty_chart_still_draws() {
-        assert!(chart(&[], &[]).svg(Ink::File).contains("</svg>"));
-    }
 }

@@ -1,34 +1,32 @@
 //! The figures of an explanation.
 
 use super::chart::{Chart, Curve, Ink, Role};
+use super::kind::{Figure, Kind, title};
 use super::words::is_contact_record;
-use crate::results::{ContactCurve, ContactLoop, Explanation, ResidualShape, Waveform};
-
-/// One figure.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Figure {
-    /// Name for a file, without ending: `loop-0003`.
-    pub name: String,
-    /// The section of the report it stands in.
-    pub section: &'static str,
-    /// The picture.
-    pub svg: String,
-}
+use super::{identified, residuals};
+use crate::results::{ContactCurve, ContactLoop, Explanation, Waveform};
 
 /// All figures of an explanation, in reading order.
 #[must_use]
 pub fn figures(found: &Explanation, ink: Ink) -> Vec<Figure> {
     let exhibits = &found.exhibits;
-    let force = if is_contact_record(found) { "measured" } else { "recovered" };
-    let loops = exhibits.loops.iter().flat_map(|run| contact_loop(run, force, ink));
-    let waveforms = exhibits.waveforms.iter().flat_map(|channel| waveform(channel, ink));
-    let shapes = exhibits.residual.iter().map(|shape| residual_shape(shape, ink));
-    loops.chain(waveforms).chain(shapes).collect()
+    let view = View { named: !found.effects.is_empty(), contact: is_contact_record(found), ink };
+    let loops = exhibits.loops.iter().flat_map(|run| contact_loop(run, view));
+    let waveforms = exhibits.waveforms.iter().flat_map(|channel| waveform(channel, view));
+    let mut all: Vec<Figure> = loops.chain(waveforms).collect();
+    all.extend(residuals::figures(exhibits, view.named, ink));
+    all.extend(identified::explained(found, ink));
+    all
 }
 
-fn title(what: &str, run: &str, label: &str, held_out: bool) -> String {
-    let label = if label.is_empty() { String::new() } else { format!(", {label}") };
-    format!("{what}, run {run}{label}{}", if held_out { " (held out)" } else { "" })
+/// How an explanation is drawn.
+#[derive(Clone, Copy)]
+struct View {
+    /// Whether effects were named: without them there is one model, and one curve of it.
+    named: bool,
+    /// Whether the contact itself was measured.
+    contact: bool,
+    ink: Ink,
 }
 
 /// The first point again at the end where the last one is near it: a loop is closed, a part of one is left open.
@@ -39,17 +37,21 @@ fn closed(values: &[f64], slip: &[f64]) -> Vec<f64> {
     values.iter().chain(values.first().filter(|_| near)).copied().collect()
 }
 
-fn contact_loop(run: &ContactLoop, force: &str, ink: Ink) -> Vec<Figure> {
+fn contact_loop(run: &ContactLoop, view: View) -> Vec<Figure> {
+    let force = if view.contact { "measured" } else { "recovered" };
+    let named = [
+        (force, Role::Measured, &run.measured),
+        ("declared model", Role::Before, &run.before),
+        ("with the effects", Role::After, &run.after),
+    ];
+    let named = &named[..if view.named { 3 } else { 2 }];
     let draw = |name: &str, x_label: &str, of: fn(&ContactCurve) -> &[f64]| {
-        let named = [
-            (force, Role::Measured, &run.measured),
-            ("declared model", Role::Before, &run.before),
-            ("with the effects", Role::After, &run.after),
-        ];
-        let points =
-            named.map(|(_, _, curve)| (closed(of(curve), &curve.slip), closed(&curve.force, &curve.slip)));
+        let points: Vec<_> = named
+            .iter()
+            .map(|(_, _, curve)| (closed(of(curve), &curve.slip), closed(&curve.force, &curve.slip)))
+            .collect();
         let curves =
-            named.iter().zip(&points).map(|((name, role, _), (x, y))| Curve { name, role: *role, x, y });
+            named.iter().zip(&points).map(|((name, role, _), (x, y))| Curve::line(name, *role, x, y));
         let chart = Chart {
             title: &title("Friction", &run.run, &run.label, run.held_out),
             x_label,
@@ -57,7 +59,7 @@ fn contact_loop(run: &ContactLoop, force: &str, ink: Ink) -> Vec<Figure> {
             logarithmic: false,
             curves: curves.collect(),
         };
-        Figure { name: format!("{name}-{}", run.run), section: "Friction loops", svg: chart.svg(ink) }
+        Figure::new(format!("{name}-{}", run.run), Kind::Loops, chart.picture(view.ink))
     };
     let mut drawn = vec![draw("loop", &format!("slip [{}]", run.slip_unit), |curve| &curve.slip)];
     if !run.measured.slip_velocity.is_empty() {
@@ -67,12 +69,15 @@ fn contact_loop(run: &ContactLoop, force: &str, ink: Ink) -> Vec<Figure> {
     drawn
 }
 
-fn waveform(channel: &Waveform, ink: Ink) -> Vec<Figure> {
+fn waveform(channel: &Waveform, view: View) -> Vec<Figure> {
     let residual =
         |model: &[f64]| -> Vec<f64> { channel.measured.iter().zip(model).map(|(y, m)| y - m).collect() };
     let (before, after) = (residual(&channel.before), residual(&channel.after));
-    let curve = |name, role, y| Curve { name, role, x: &channel.time, y };
-    let draw = |name: &str, what: &str, curves| {
+    let curve = |name, role, y| Curve::line(name, role, &channel.time, y);
+    let draw = |name: &str, what: &str, mut curves: Vec<Curve<'_>>| {
+        if !view.named {
+            curves.pop();
+        }
         let chart = Chart {
             title: &title(what, &channel.run, &channel.label, channel.held_out),
             x_label: "time [s]",
@@ -80,45 +85,14 @@ fn waveform(channel: &Waveform, ink: Ink) -> Vec<Figure> {
             logarithmic: false,
             curves,
         };
-        Figure {
-            name: format!("{name}-{}", channel.run),
-            section: "Signals and residuals",
-            svg: chart.svg(ink),
-        }
+        Figure::new(format!("{name}-{}", channel.run), Kind::Signals, chart.picture(view.ink))
     };
-    vec![
-        draw(
-            "signal",
-            "Signal",
-            vec![
-                curve("measured", Role::Measured, &channel.measured),
-                curve("declared model", Role::Before, &channel.before),
-                curve("with the effects", Role::After, &channel.after),
-            ],
-        ),
-        draw(
-            "residual",
-            "Residual",
-            vec![
-                curve("declared model", Role::Before, &before),
-                curve("with the effects", Role::After, &after),
-            ],
-        ),
-    ]
-}
-
-fn residual_shape(shape: &ResidualShape, ink: Ink) -> Figure {
-    let curve = |name, role, y| Curve { name, role, x: &shape.centre, y };
-    let chart = Chart {
-        title: &format!("Residual against {}", shape.against),
-        x_label: &format!("{} [{}]", shape.against, shape.unit),
-        y_label: "residual [standard deviations of the noise]",
-        logarithmic: false,
-        curves: vec![
-            curve("declared model", Role::Before, &shape.before),
-            curve("with the effects", Role::After, &shape.after),
-        ],
-    };
-    let name = format!("shape-{}", shape.against.replace(' ', "-"));
-    Figure { name, section: "Shape of the residual", svg: chart.svg(ink) }
+    let signal = vec![
+        curve("measured", Role::Measured, &channel.measured),
+        curve("declared model", Role::Before, &channel.before),
+        curve("with the effects", Role::After, &channel.after),
+    ];
+    let left =
+        vec![curve("declared model", Role::Before, &before), curve("with the effects", Role::After, &after)];
+    vec![draw("signal", "Signal", signal), draw("residual", "Residual", left)]
 }

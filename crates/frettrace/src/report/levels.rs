@@ -1,7 +1,7 @@
 //! Figures of the three hypotheses about the motion, against level, for each frequency, preload and lubrication.
 
-use super::Figure;
 use super::chart::{Chart, Curve, Ink, Role};
+use super::kind::{Figure, Kind};
 use crate::hypotheses::Level;
 
 /// Runs that differ in their level only, the lowest first.
@@ -56,7 +56,7 @@ fn errors(index: usize, group: &Group<'_>, ink: Ink) -> Figure {
         ("harmonic balance", Role::Number(2), values(group, |level| level.harmonic)),
         ("noise", Role::Measured, values(group, |level| level.noise_floor)),
     ];
-    let curves = named.iter().map(|(name, role, y)| Curve { name, role: *role, x: &x, y }).collect();
+    let curves = named.iter().map(|(name, role, y)| Curve::line(name, *role, &x, y)).collect();
     let chart = Chart {
         title: &format!("Accelerometers not described: {}", group.name),
         x_label: LEVEL,
@@ -64,7 +64,7 @@ fn errors(index: usize, group: &Group<'_>, ink: Ink) -> Figure {
         logarithmic: true,
         curves,
     };
-    Figure { name: format!("hypotheses-{}", index + 1), section: "Modes and levels", svg: chart.svg(ink) }
+    Figure::new(format!("hypotheses-{}", index + 1), Kind::Modes, chart.picture(ink))
 }
 
 fn across(name: &str, title: &str, groups: &[Group<'_>], ink: Ink, of: fn(&Level) -> f64) -> Figure {
@@ -75,11 +75,11 @@ fn across(name: &str, title: &str, groups: &[Group<'_>], ink: Ink, of: fn(&Level
     let curves = drawn
         .iter()
         .enumerate()
-        .map(|(index, (name, x, y))| Curve { name, role: Role::Number(index), x, y })
+        .map(|(index, (name, x, y))| Curve::line(name, Role::Number(index), x, y))
         .collect();
     let y_label = if name == "likeness" { "1 − modal assurance criterion" } else { "m/s²" };
     let chart = Chart { title, x_label: LEVEL, y_label, logarithmic: true, curves };
-    Figure { name: name.to_owned(), section: "Modes and levels", svg: chart.svg(ink) }
+    Figure::new(name.to_owned(), Kind::Modes, chart.picture(ink))
 }
 
 #[cfg(test)]

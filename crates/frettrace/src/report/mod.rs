@@ -2,13 +2,22 @@
 
 pub mod chart;
 mod figures;
+mod identified;
+mod kind;
 pub mod levels;
+mod numbers;
 mod page;
+pub mod recovered;
+mod residuals;
 pub mod responses;
+mod shapes;
 pub mod signals;
+mod spectra;
 pub mod words;
 
-pub use figures::{Figure, figures};
+pub use figures::figures;
+pub use identified::identification;
+pub use kind::{Figure, Kind};
 pub use page::html;
 
 /// Text as it may stand in HTML or SVG.

@@ -1,6 +1,6 @@
 //! The page itself.
 
-use super::{chart::Ink, escape, figures, words};
+use super::{Kind, chart::Ink, escape, figures, numbers, words};
 use crate::results::{
     BeforeAfter, ContactLoop, Estimate, Explanation, Identification, ModeEstimate, Verdict,
 };
@@ -15,6 +15,7 @@ pub fn html(title: &str, found: &Explanation) -> String {
         verdict(found),
         errors(found),
         pictures(found),
+        numbers::section(found),
         energy(found),
         evidence(found),
         parameters(found),
@@ -41,6 +42,9 @@ fn verdict(found: &Explanation) -> String {
         Verdict::Unexplained => "unexplained",
     };
     let mut text = format!("<p class=\"verdict {class}\">{}</p>\n", escape(&words::verdict(found)));
+    if found.verdict == Verdict::Unexplained {
+        text += &numbers::sentence(found).map_or(String::new(), |said| format!("<p>{}</p>\n", escape(&said)));
+    }
     for effect in &found.effects {
         let Some(experiment) = &effect.separating_experiment else { continue };
         let aim = if effect.indistinguishable_from.is_empty() {
@@ -90,11 +94,13 @@ fn bar(class: &str, share: f64) -> String {
 fn pictures(found: &Explanation) -> String {
     let mut text = String::new();
     let mut section = "";
-    for figure in figures(found, Ink::Page) {
-        if figure.section != section {
+    // Evidence, parameters and modes stand in tables.
+    let told = [Kind::Loops, Kind::Signals, Kind::Residuals];
+    for figure in figures(found, Ink::Page).into_iter().filter(|figure| told.contains(&figure.kind)) {
+        if figure.kind.heading() != section {
             text += if section.is_empty() { "" } else { "</div>\n" };
-            text += &format!("<h2>{}</h2>\n<div class=\"figures\">\n", figure.section);
-            section = figure.section;
+            section = figure.kind.heading();
+            text += &format!("<h2>{section}</h2>\n<div class=\"figures\">\n");
         }
         text += &figure.svg;
     }

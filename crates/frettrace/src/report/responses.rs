@@ -1,7 +1,7 @@
 //! Figures of frequency responses: what `response` writes.
 
-use super::chart::{Chart, Curve, Ink, Role};
-use super::figures::Figure;
+use super::chart::{Chart, Curve, Ink, Picture, Role};
+use super::kind::{Figure, Kind};
 use crate::StudyError;
 use frettrace_measurement::{Attribute, DataFile};
 
@@ -69,14 +69,16 @@ fn draw(
     labels: [&str; 2],
     more: Option<Curve<'_>>,
     ink: Ink,
-) -> String {
+) -> Picture {
     let lost: Vec<Vec<f64>> = levels.iter().zip(values).map(|(level, y)| unstable(level, y)).collect();
     let mut curves: Vec<Curve<'_>> = Vec::new();
     for (number, (level, y)) in levels.iter().zip(values).enumerate() {
-        curves.push(Curve { name: &level.name, role: Role::Number(number), x: &level.frequency, y });
+        curves.push(Curve::line(&level.name, Role::Number(number), &level.frequency, y));
     }
-    for (level, y) in levels.iter().zip(&lost).filter(|(_, y)| y.iter().any(|y| y.is_finite())) {
-        curves.push(Curve { name: "unstable", role: Role::Before, x: &level.frequency, y });
+    let unstable = levels.iter().zip(&lost).filter(|(_, y)| y.iter().any(|y| y.is_finite()));
+    for (number, (level, y)) in unstable.enumerate() {
+        let name = if number == 0 { "unstable" } else { "" };
+        curves.push(Curve::line(name, Role::Before, &level.frequency, y));
     }
     curves.extend(more);
     let chart = Chart {
@@ -86,7 +88,7 @@ fn draw(
         logarithmic: true,
         curves,
     };
-    chart.svg(ink)
+    chart.picture(ink)
 }
 
 fn acceleration(levels: &[Level], sensor: usize, ink: Ink) -> Figure {
@@ -96,19 +98,16 @@ fn acceleration(levels: &[Level], sensor: usize, ink: Ink) -> Figure {
         .collect();
     let title = format!("Acceleration a force, sensor {sensor}");
     let labels = [title.as_str(), "rms acceleration / force [m/(s² N)]"];
-    Figure {
-        name: format!("response-sensor-{sensor}"),
-        section: "Responses",
-        svg: draw(levels, &values, labels, None, ink),
-    }
+    let picture = draw(levels, &values, labels, None, ink);
+    Figure::new(format!("response-sensor-{sensor}"), Kind::Responses, picture)
 }
 
 fn slip(levels: &[Level], [frequency, slip, _]: &[Vec<f64>; 3], ink: Ink) -> Figure {
     let values: Vec<Vec<f64>> = levels.iter().map(|level| level.slip.clone()).collect();
-    let backbone = Curve { name: "backbone", role: Role::Measured, x: frequency, y: slip };
+    let backbone = Curve::line("backbone", Role::Measured, frequency, slip);
     let labels = ["Slip at the contact", "slip amplitude [m]"];
-    let svg = draw(levels, &values, labels, (!frequency.is_empty()).then_some(backbone), ink);
-    Figure { name: "response-slip".into(), section: "Responses", svg }
+    let picture = draw(levels, &values, labels, (!frequency.is_empty()).then_some(backbone), ink);
+    Figure::new("response-slip", Kind::Responses, picture)
 }
 
 fn damping([_, slip, damping]: &[Vec<f64>; 3], ink: Ink) -> Figure {
@@ -118,7 +117,7 @@ fn damping([_, slip, damping]: &[Vec<f64>; 3], ink: Ink) -> Figure {
         x_label: "log10 of the slip amplitude in metres",
         y_label: "damping ratio [1]",
         logarithmic: false,
-        curves: vec![Curve { name: "backbone", role: Role::Measured, x: &shown, y: damping }],
+        curves: vec![Curve::line("backbone", Role::Measured, &shown, damping)],
     };
-    Figure { name: "backbone-damping".into(), section: "Responses", svg: chart.svg(ink) }
+    Figure::new("backbone-damping", Kind::Responses, chart.picture(ink))
 }

@@ -104,6 +104,31 @@ pub struct ResidualShape {
     pub after: Vec<f64>,
 }
 
+/// The residual over two quantities at once: quadratic means in cells, in units of the noise.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ResidualMap {
+    /// The quantity across: phase, slip, sensor.
+    pub across: String,
+    /// Its unit.
+    pub across_unit: String,
+    /// Centres of the cells across.
+    #[serde(with = "number::series")]
+    pub x: Vec<f64>,
+    /// The quantity upwards: level, sensor, slip velocity, run.
+    pub up: String,
+    /// Its unit.
+    pub up_unit: String,
+    /// Centres of the cells upwards.
+    #[serde(with = "number::series")]
+    pub y: Vec<f64>,
+    /// Residual before, a row for each `y`; cells that nothing fell in are `null`.
+    #[serde(with = "number::table")]
+    pub before: Vec<Vec<f64>>,
+    /// Residual after.
+    #[serde(with = "number::table")]
+    pub after: Vec<Vec<f64>>,
+}
+
 /// One period of a contact, means removed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactCurve {
@@ -177,6 +202,9 @@ pub struct Exhibits {
     /// The residual against what may drive it.
     #[serde(default)]
     pub residual: Vec<ResidualShape>,
+    /// The residual over two quantities at once.
+    #[serde(default)]
+    pub maps: Vec<ResidualMap>,
 }
 
 /// What the declared model lacks: `EXPLAIN.json`.

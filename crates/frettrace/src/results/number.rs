@@ -46,3 +46,23 @@ pub mod series {
         Ok(values.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect())
     }
 }
+
+/// Rows of numbers; `null` reads as NaN.
+pub mod table {
+    use super::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(values: &[Vec<f64>], serializer: S) -> Result<S::Ok, S::Error> {
+        let row = |row: &Vec<f64>| -> Vec<Option<f64>> {
+            row.iter().map(|value| value.is_finite().then_some(*value)).collect()
+        };
+        values.iter().map(row).collect::<Vec<_>>().serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Vec<f64>>, D::Error> {
+        let rows = Vec::<Vec<Option<f64>>>::deserialize(deserializer)?;
+        Ok(rows
+            .into_iter()
+            .map(|row| row.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect())
+            .collect())
+    }
+}

@@ -1,6 +1,6 @@
 //! What the report draws of a contact record: loops and signals of two strokes, and what the residual depends on.
 
-use super::Parts;
+use super::{Parts, maps};
 use crate::results::{ContactCurve, ContactLoop, Exhibits, ResidualShape, Waveform};
 use frettrace_explain::records_explain::{RecordOutcome, RecordRun, strokes};
 use frettrace_measurement::{ContactRecord, SlipUnit};
@@ -14,12 +14,12 @@ const BINS: usize = 24;
 const MOST_RUNS: usize = 12;
 
 /// One run with both residuals, from its first sample that counts.
-struct Shown<'a> {
-    run: &'a RecordRun,
-    part: &'a super::Part,
-    held_out: bool,
-    residual: [&'a [f64]; 2],
-    first: usize,
+pub(super) struct Shown<'a> {
+    pub run: &'a RecordRun,
+    pub part: &'a super::Part,
+    pub held_out: bool,
+    pub residual: [&'a [f64]; 2],
+    pub first: usize,
 }
 
 /// Loops and signals of every run, residuals against what may drive them.
@@ -42,6 +42,7 @@ pub(super) fn exhibits(record: &ContactRecord, parts: &Parts, outcome: &RecordOu
         loops: drawn().take(MOST_RUNS).map(|s| contact_loop(s, unit)).collect(),
         waveforms: drawn().filter(|s| s.held_out).take(MOST_RUNS).map(waveform).collect(),
         residual: shapes(&shown, outcome, unit),
+        maps: maps::maps(&shown, outcome.floor[0], unit),
     }
 }
 
@@ -113,7 +114,7 @@ fn waveform(shown: &Shown<'_>) -> Waveform {
     }
 }
 
-/// Residuals in units of the floor against slip, velocity, acceleration, normal force, and the course of the record.
+/// Residuals in units of the floor against slip, velocity, acceleration, normal force, level, and time.
 fn shapes(shown: &[Shown<'_>], outcome: &RecordOutcome, unit: &str) -> Vec<ResidualShape> {
     type Of = fn(&RecordRun, usize) -> f64;
     let against: [(&str, String, Of); 5] = [
@@ -123,12 +124,32 @@ fn shapes(shown: &[Shown<'_>], outcome: &RecordOutcome, unit: &str) -> Vec<Resid
             run.history.acceleration.as_ref().map_or(0.0, |a| a[k])
         }),
         ("normal force", "N".to_owned(), |run, k| run.history.normal[k]),
-        ("course of the record", "1".to_owned(), |run, k| {
+        ("time", "share of the record".to_owned(), |run, k| {
             run.progress[0] + (run.progress[1] - run.progress[0]) * k as f64 / run.history.len() as f64
         }),
     ];
     let floor = outcome.floor[0].max(f64::MIN_POSITIVE);
-    against.into_iter().filter_map(|(name, unit, of)| shape(shown, (name, unit), (of, floor))).collect()
+    let of_samples =
+        against.into_iter().filter_map(|(name, unit, of)| shape(shown, (name, unit), (of, floor)));
+    of_samples.chain(by_level(shown, floor, unit)).collect()
+}
+
+/// Residuals run by run, against the amplitude of the slip; none of one run.
+fn by_level(shown: &[Shown<'_>], floor: f64, unit: &str) -> Option<ResidualShape> {
+    let size = |residual: &[f64]| {
+        let square = residual.iter().map(|r| r * r).sum::<f64>() / residual.len().max(1) as f64;
+        rounded(square.sqrt() / floor)
+    };
+    let mut runs: Vec<(f64, [f64; 2])> =
+        shown.iter().map(|s| (rounded(s.run.history.amplitude()), s.residual.map(size))).collect();
+    runs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    (runs.len() > 1).then(|| ResidualShape {
+        against: "level".to_owned(),
+        unit: format!("{unit}, amplitude of the slip"),
+        centre: runs.iter().map(|run| run.0).collect(),
+        before: runs.iter().map(|run| run.1[0]).collect(),
+        after: runs.iter().map(|run| run.1[1]).collect(),
+    })
 }
 
 fn shape(
@@ -168,6 +189,6 @@ fn shape(
 }
 
 /// Six significant digits.
-fn rounded(value: f64) -> f64 {
+pub(super) fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
