@@ -106,17 +106,6 @@ fn dahl_wins_on_dahl_data() {
     }
 }
 
-/// Sliding without a visible bristle: a stiff Dahl is Coulomb, and no number of samples tells them apart.
-#[test]
-fn laws_that_are_one_on_the_data_are_said_to_be() {
-    let bench = Bench { amplitude: 1e-4, samples: 32, periods: 3, noise: 0.5 };
-    let made = record(&bench, || |v: f64, _: f64| 0.3_f64.copysign(v));
-    let found = auto(&Recording::Contact(made)).unwrap();
-    let note = found.notes.iter().find(|note| note.contains("cannot be told apart"));
-    assert!(note.is_some_and(|n| n.contains("coulomb") && n.contains("dahl")), "{:?}", found.notes);
-    assert!(evidence(&found, "lugre").is_some_and(|e| e > 0.0), "{:?}", found.notes);
-}
-
 /// A Dahl contact under a beam, seen by accelerometers alone.
 #[test]
 fn dahl_wins_on_accelerations() {
