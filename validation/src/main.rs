@@ -44,12 +44,8 @@ enum Table {
         /// The file
         #[arg(short, long)]
         output: PathBuf,
-        /// Seed of the plan
-        #[arg(long, default_value_t = sweep::SEED)]
-        seed: u64,
-        /// Clean sets of the plan
-        #[arg(long, default_value_t = 200)]
-        clean: usize,
+        #[command(flatten)]
+        drawn: Drawn,
     },
     /// Simulated clean rigs through `reconstruct` and `identify`: how often the bands hold the truth
     Coverage(Extent),
@@ -61,15 +57,28 @@ struct Extent {
     /// File with a line of JSON for every finished set; what is in it already is not run again
     #[arg(short, long)]
     output: PathBuf,
+    #[command(flatten)]
+    drawn: Drawn,
+    /// Only the first sets of the plan, which is in drawn order
+    #[arg(long, default_value_t = usize::MAX)]
+    first: usize,
+}
+
+/// What a plan is drawn from.
+#[derive(Args, Debug)]
+struct Drawn {
     /// Everything is drawn from this
     #[arg(long, default_value_t = sweep::SEED)]
     seed: u64,
     /// Clean sets of the plan
     #[arg(long, default_value_t = 200)]
     clean: usize,
-    /// Only the first sets of the plan, which is in drawn order
-    #[arg(long, default_value_t = usize::MAX)]
-    first: usize,
+}
+
+impl Drawn {
+    fn plan(&self) -> Vec<plan::Planned> {
+        plan::plan(self.seed, self.clean)
+    }
 }
 
 fn main() -> anyhow::Result<ExitCode> {
@@ -85,21 +94,21 @@ fn run_table(table: &Table) -> anyhow::Result<String> {
         Table::Hypotheses => cases::verify_mode_hypotheses::table(),
         Table::Splines => cases::compare_splines::table(),
         Table::Sweep(extent) => {
-            let mut sets = plan::plan(extent.seed, extent.clean);
+            let mut sets = extent.drawn.plan();
             sets.truncate(extent.first);
             let done = sweep::resume(&extent.output, &sets, |set| &set.name, judge)?;
-            Ok(tables::markdown(&format!("Sweep of explain, seed {}", extent.seed), &done))
+            Ok(tables::markdown(&format!("Sweep of explain, seed {}", extent.drawn.seed), &done))
         }
-        Table::Set { name, output, seed, clean } => {
-            let planned = plan::plan(*seed, *clean).into_iter().find(|set| set.name == *name);
-            let planned =
-                planned.ok_or_else(|| anyhow::anyhow!("no set \"{name}\" in the plan of seed {seed}"))?;
+        Table::Set { name, output, drawn } => {
+            let planned = drawn.plan().into_iter().find(|set| set.name == *name);
+            let planned = planned
+                .ok_or_else(|| anyhow::anyhow!("no set \"{name}\" in the plan of seed {}", drawn.seed))?;
             let made = make(&planned)?.simulation;
             write_measurement(output, &made.measurement, Some(&made.truth))?;
             Ok(format!("{planned:#?}\n"))
         }
         Table::Coverage(extent) => {
-            let mut sets = plan::plan(extent.seed, extent.clean);
+            let mut sets = extent.drawn.plan();
             sets.retain(|set| set.formula.is_none());
             sets.truncate(extent.first);
             let done = sweep::resume(&extent.output, &sets, |set| &set.name, coverage::cover)?;

@@ -20,6 +20,7 @@ const LOOKS_OF_ONE: usize = 3;
 const AGAIN: usize = 4;
 /// Steps from each of them, before the best get all.
 const BEGIN: usize = 8;
+
 /// A law on recovered contacts, with what it costs.
 #[derive(Clone)]
 pub(crate) struct ContactCandidate {

@@ -6,11 +6,11 @@
 //! first order, at `κ = cᵀPr/cᵀPc`.
 
 use crate::balance_fit::BalanceCandidate;
-use crate::effects::ALL;
+use crate::effects::{ALL, FREE};
 use crate::fitting::AccelerationFit;
 use crate::search::Explained;
 use crate::study::merge;
-use crate::{Study, Unknown};
+use crate::{Study, Unknown, signed};
 use frettrace_forward::accelerations::{COEFFICIENTS, Port, PortLaw, PortPlace, Quantity};
 use frettrace_identify::Model;
 use nalgebra::{DMatrix, DVector};
@@ -52,8 +52,9 @@ impl Study<'_> {
         if runs.is_empty() || current.fitted.setting.holds_rigidly() {
             return Vec::new();
         }
+        let Some(known) = self.known(current, runs) else { return Vec::new() };
         let mut promised: Vec<Promise> =
-            places.par_iter().filter_map(|&place| self.promises(current, place, &runs)).flatten().collect();
+            places.par_iter().filter_map(|&place| self.promises(current, place, &known)).flatten().collect();
         promised.retain(|promise| promise.share > WORTH);
         promised.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         let count = self.residual_count() as f64;
@@ -78,56 +79,78 @@ impl Study<'_> {
         found
     }
 
+    /// What is free already, at the present values; `None` where the model has no answer there.
+    fn known(&self, current: &Explained, runs: Vec<usize>) -> Option<Known> {
+        let setting = current.fitted.setting.clone();
+        let free = merge(&self.case.unknowns(), &current.added);
+        let free: Vec<Unknown> = free.into_iter().filter(|u| setting.get(u.quantity).is_some()).collect();
+        let warm = current.fitted.memory.clone();
+        let (residual, jacobian) =
+            linearised(&AccelerationFit::new(&self.model, setting, &free, runs.clone(), warm))?;
+        let priors: Vec<(usize, f64)> = (free.iter().enumerate())
+            .filter_map(|(j, u)| u.parameter.prior.map(|prior| (j, prior.std.recip())))
+            .collect();
+        let lines = residual.len();
+        let rows = lines + priors.len();
+        let mut tangents = jacobian.resize_vertically(rows, 0.0);
+        for (row, &(j, weight)) in priors.iter().enumerate() {
+            tangents[(lines + row, j)] = weight;
+        }
+        let beside = Beside::new(tangents);
+        let left = beside.of(&residual.resize_vertically(rows, 0.0));
+        let excess = (left.norm_squared() - lines as f64).max(f64::MIN_POSITIVE);
+        Some(Known { runs, rows, beside, left, excess })
+    }
+
     /// What each smooth force at a place promises; `None` where the model has no answer there.
-    fn promises(&self, current: &Explained, place: PortPlace, runs: &[usize]) -> Option<Vec<Promise>> {
+    fn promises(&self, current: &Explained, place: PortPlace, known: &Known) -> Option<Vec<Promise>> {
         let mut setting = current.fitted.setting.clone();
         setting.ports.push(Port { place, law: PortLaw::Polynomial, coefficients: [0.0; COEFFICIENTS] });
         let index = setting.ports.len() - 1;
-        let base = merge(&self.case.unknowns(), &current.added);
-        let base: Vec<Unknown> = base.into_iter().filter(|u| setting.get(u.quantity).is_some()).collect();
-        let mut unknowns = base.clone();
-        unknowns.extend((0..COEFFICIENTS).map(|k| {
-            crate::signed(Quantity::Port(index, k), ("coefficient", ""), 1.0, crate::effects::FREE)
-        }));
-        let warm = current.fitted.memory.with_idle_port(index);
-        let problem = AccelerationFit::new(&self.model, setting, &unknowns, runs.to_vec(), warm.clone());
-        let (rows, width) = (problem.residual_count(), unknowns.len());
-        let priors: Vec<(usize, f64)> = (base.iter().enumerate())
-            .filter_map(|(j, u)| u.parameter.prior.map(|prior| (j, prior.std.recip())))
+        let unknowns: Vec<Unknown> = (0..COEFFICIENTS)
+            .map(|k| signed(Quantity::Port(index, k), ("coefficient", ""), 1.0, FREE))
             .collect();
-        let mut residual = vec![0.0; rows];
-        let mut jacobian = DMatrix::zeros(rows, width);
-        let target = (&mut residual[..], &mut jacobian);
-        problem.linearise(&problem.start(), &vec![true; width], &mut { warm }, target).ok()?;
-        let mut tangents = jacobian.resize(rows + priors.len(), width, 0.0);
-        for (row, &(j, weight)) in priors.iter().enumerate() {
-            tangents[(rows + row, j)] = weight;
-        }
-        let right = DVector::from_vec(residual).resize_vertically(rows + priors.len(), 0.0);
-        let known = tangents.columns(0, base.len()).into_owned();
-        let beside = Beside::new(known);
-        let left = beside.of(&right);
-        let excess = (left.norm_squared() - rows as f64).max(f64::MIN_POSITIVE);
-        Some(
-            SMOOTH
-                .iter()
-                .filter_map(|&(id, free)| {
-                    let effect = ALL.iter().position(|e| e.id() == id)?;
-                    if !self.case.allows(id) || current.effects.contains(&effect) {
-                        return None;
-                    }
-                    let columns: Vec<DVector<f64>> = free
-                        .iter()
-                        .map(|k| beside.of(&tangents.column(base.len() + k).into_owned()))
-                        .collect();
-                    let (gain, values) = explained(&columns, &left)?;
-                    let mut coefficients = [0.0; COEFFICIENTS];
-                    free.iter().zip(&values).for_each(|(&k, value)| coefficients[k] = *value);
-                    Some(Promise { place, effect, free, gain, share: gain / excess, coefficients })
-                })
-                .collect(),
-        )
+        let warm = current.fitted.memory.with_idle_port(index);
+        let (_, jacobian) =
+            linearised(&AccelerationFit::new(&self.model, setting, &unknowns, known.runs.clone(), warm))?;
+        let tangents = jacobian.resize_vertically(known.rows, 0.0);
+        let promise = |&(id, free): &(&str, &'static [usize])| {
+            let effect = ALL.iter().position(|e| e.id() == id)?;
+            if !self.case.allows(id) || current.effects.contains(&effect) {
+                return None;
+            }
+            let columns: Vec<DVector<f64>> =
+                free.iter().map(|&k| known.beside.of(&tangents.column(k).into_owned())).collect();
+            let (gain, values) = explained(&columns, &known.left)?;
+            let mut coefficients = [0.0; COEFFICIENTS];
+            free.iter().zip(&values).for_each(|(&k, value)| coefficients[k] = *value);
+            Some(Promise { place, effect, free, gain, share: gain / known.excess, coefficients })
+        };
+        Some(SMOOTH.iter().filter_map(promise).collect())
     }
+}
+
+/// What is free already, on the runs that are asked.
+struct Known {
+    runs: Vec<usize>,
+    /// Residuals of the lines, and a row for each prior.
+    rows: usize,
+    /// Projector beside its tangents.
+    beside: Beside,
+    /// The residual beside them.
+    left: DVector<f64>,
+    /// χ² of that above the noise.
+    excess: f64,
+}
+
+/// Residual and derivatives of a model at its start.
+fn linearised(problem: &AccelerationFit<'_>) -> Option<(DVector<f64>, DMatrix<f64>)> {
+    let (start, rows) = (problem.start(), problem.residual_count());
+    let mut residual = DVector::zeros(rows);
+    let mut jacobian = DMatrix::zeros(rows, start.len());
+    let target = (residual.as_mut_slice(), &mut jacobian);
+    problem.linearise(&start, &vec![true; start.len()], &mut problem.memory(), target).ok()?;
+    Some((residual, jacobian))
 }
 
 /// The projector beside some directions.

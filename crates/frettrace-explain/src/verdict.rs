@@ -62,8 +62,8 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
     };
     let mut baseline = search.baseline(setting)?;
     if !baseline.complete() && baseline.ratio < NEAR {
-        let declared = baseline.clone();
-        baseline = search.further(baseline, &declared);
+        let lacked = baseline.excess();
+        baseline = search.further(baseline, lacked);
         search.coarse = None;
     }
     if !baseline.complete()
@@ -206,7 +206,8 @@ impl Search<'_> {
                 match self.slight_round(&current)? {
                     Some(found) => Some(found),
                     None => {
-                        let found = self.contact_round(&current)?.map(|found| self.further(found, &current));
+                        let found =
+                            self.contact_round(&current)?.map(|found| self.further(found, current.excess()));
                         self.hidden_round(&current, found)?
                     }
                 }
@@ -226,7 +227,7 @@ impl Search<'_> {
             };
             if !better.complete() {
                 // A second effect may not be named for what a longer fit would have done.
-                better = self.further(better, &before);
+                better = self.further(better, before.excess());
             }
             if !before.effects.is_empty() && better.excess() > PROXY * before.excess() {
                 // It takes away a little of everything: a stand-in for what neither effect is.
@@ -285,9 +286,9 @@ impl Search<'_> {
         found
     }
 
-    /// A longer fit; then, where that is near the noise but not within it, or has most of what `before` lacked, one on a finer
-    /// grid.
-    fn further(&mut self, mut current: Explained, before: &Explained) -> Explained {
+    /// A longer fit; then, where that is near the noise but not within it, or has most of what was `lacked` (an excess), one on a
+    /// finer grid.
+    fn further(&mut self, mut current: Explained, lacked: f64) -> Explained {
         if current.complete() {
             return current;
         }
@@ -296,7 +297,7 @@ impl Search<'_> {
         {
             current = better;
         }
-        let near = current.ratio <= NEAR || current.excess() <= MOST_TAKEN * before.excess();
+        let near = current.ratio <= NEAR || current.excess() <= MOST_TAKEN * lacked;
         if current.complete() || !near || self.refined {
             return current;
         }

@@ -175,7 +175,7 @@ impl Search<'_> {
         let worth = |c: &&BalanceCandidate| c.criterion + EVIDENCE < plain;
         let found = candidates.iter().filter(worth).filter_map(|c| self.with_structure(current, c).ok());
         let found = found.collect();
-        let found = self.take_best(current, found).map(|found| self.further(found, current));
+        let found = self.take_best(current, found).map(|found| self.further(found, current.excess()));
         // A force that the balance does not show must leave nothing else to be explained.
         let ahead = |found: &Explained| {
             found.complete()

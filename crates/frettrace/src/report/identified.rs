@@ -79,6 +79,11 @@ fn interval(name: String, role: Role, estimate: &Estimate, scale: f64) -> Row {
     }
 }
 
+/// The chart as a figure; one without rows is none.
+fn figure(name: &str, kind: Kind, chart: &Rows, ink: Ink) -> Option<Figure> {
+    (!chart.rows.is_empty()).then(|| Figure::new(name, kind, chart.picture(ink)))
+}
+
 /// 95 % intervals of all parameters, over their values: widths of different units beside each other.
 fn parameters(found: &Identification, role: Role, ink: Ink) -> Option<Figure> {
     let about = |(name, estimate): (&String, &Estimate)| {
@@ -92,8 +97,7 @@ fn parameters(found: &Identification, role: Role, ink: Ink) -> Option<Figure> {
         x_label: "difference from the value [% of it]",
         rows,
     };
-    let drawn = !chart.rows.is_empty();
-    drawn.then(|| Figure::new("parameters", Kind::Parameters, chart.picture(ink)))
+    figure("parameters", Kind::Parameters, &chart, ink)
 }
 
 fn steps(found: &Identification, ink: Ink) -> Option<Figure> {
@@ -106,8 +110,7 @@ fn steps(found: &Identification, ink: Ink) -> Option<Figure> {
         x_label: "relative error [%]",
         rows: rows.collect(),
     };
-    let drawn = !chart.rows.is_empty();
-    drawn.then(|| Figure::new("steps", Kind::Evidence, chart.picture(ink)))
+    figure("steps", Kind::Evidence, &chart, ink)
 }
 
 /// Damping ratios of the calibrated modes with their intervals.
@@ -127,8 +130,7 @@ fn modes(found: &Identification, role: Role, ink: Ink) -> Option<Figure> {
         x_label: "damping ratio [%]",
         rows: rows.collect(),
     };
-    let drawn = !chart.rows.is_empty();
-    drawn.then(|| Figure::new("modes", Kind::Modes, chart.picture(ink)))
+    figure("modes", Kind::Modes, &chart, ink)
 }
 
 #[cfg(test)]
