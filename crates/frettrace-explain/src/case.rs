@@ -3,7 +3,7 @@
 use crate::{ChannelFault, ExplainError, RunRecord, Unknown};
 use frettrace_beam::{ModalModel, ModalOptions};
 use frettrace_forward::accelerations::{
-    AccelerationModel, Beside, COEFFICIENTS, Port, PortLaw, PortPlace, Quantity, Rig, SensorSetting, Setting,
+    AccelerationModel, Beside, COEFFICIENTS, Port, PortLaw, PortPlace, Quantity, Rig, Setting,
 };
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 use frettrace_identify::contact::Family;
@@ -115,22 +115,9 @@ impl Case {
     /// The declared model at declared values, with a friction law to start from.
     #[must_use]
     pub fn setting(&self, law: ModifiedLaw<f64>) -> Setting {
-        Setting {
-            frequency: self.modes.frequency.clone(),
-            damping: self.modes.damping.clone(),
-            law,
-            rigid: self.law.is_static(),
-            modulation: 1,
-            ports: Vec::new(),
-            mass: None,
-            clamp_compliance: 0.0,
-            drift: 0.0,
-            contact_compliance: 0.0,
-            base: None,
-            base_line: 0,
-            base_motion: None,
-            sensors: vec![SensorSetting::default(); self.rig.sensors.len()],
-        }
+        let DeclaredModes { frequency, damping, .. } = self.modes.clone();
+        let setting = Setting::new(frequency, damping, law, self.rig.sensors.len());
+        Setting { rigid: self.law.is_static(), ..setting }
     }
 
     /// Opens the modes of the declared beam beyond the measured ones up to the highest line: nobody measured them, and

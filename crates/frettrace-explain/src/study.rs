@@ -8,7 +8,7 @@ use frettrace_forward::accelerations::{
     AccelerationError, AccelerationModel, Memory, Prediction, Quantity, RunLines, SensorSetting, Setting,
 };
 use frettrace_friction::effects::{Hook, ModifiedLaw};
-use frettrace_identify::{Fit, FitSettings, IdentifyError, Model, fit};
+use frettrace_identify::{Fit, FitSettings, IdentifyError, Model, fit_with_memory};
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
@@ -148,17 +148,27 @@ impl<'a> Study<'a> {
         // The stiffness of a rigid contact is no part of the model.
         let idle = |u: &Unknown| setting.holds_rigidly() && u.quantity == Quantity::Law(Hook::Sigma0);
         let unknowns: Vec<Unknown> = unknowns.iter().filter(|u| !idle(u)).cloned().collect();
-        let problem =
-            AccelerationFit::new(&self.model, setting, &unknowns, self.training.clone(), warm.clone());
         let settings = FitSettings {
             max_iterations: most,
             relative_tolerance: 3e-4,
             absolute_tolerance: 0.3,
             ..FitSettings::default()
         };
-        let found = fit(&problem, &problem.start(), &settings)?;
-        let setting = problem.at(&found.values);
+        let problem = AccelerationFit::new(
+            &self.model,
+            setting.clone(),
+            &unknowns,
+            self.training.clone(),
+            warm.clone(),
+        );
         let mut memory = warm.clone();
+        let mut found = fit_with_memory(&problem, &problem.start(), &settings, &mut memory);
+        if matches!(found, Err(IdentifyError::NoStart { .. })) {
+            self.model.approach(&setting, &self.training, &mut memory)?;
+            found = fit_with_memory(&problem, &problem.start(), &settings, &mut memory);
+        }
+        let found = found?;
+        let setting = problem.at(&found.values);
         // Warm starts for what comes next; a run that does not balance keeps none.
         let _ = self.model.predict(&setting, &self.training, &mut memory);
         let deviation = deviations(&problem, &found, &memory);
@@ -215,7 +225,12 @@ impl<'a> Study<'a> {
         selected
             .iter()
             .map(|&run| {
-                let found = self.model.predict(&fitted.setting, &[run], &mut memory);
+                let mut found = self.model.predict(&fitted.setting, &[run], &mut memory);
+                // Nothing was fitted to such a run, so that there is no solution of it to start from.
+                if found.is_err() && !self.training.contains(&run) {
+                    let near = self.model.approach(&fitted.setting, &[run], &mut memory);
+                    found = near.and_then(|()| self.model.predict(&fitted.setting, &[run], &mut memory));
+                }
                 found.ok().and_then(|p| p.into_iter().next())
             })
             .collect()

@@ -6,7 +6,7 @@
 use std::f64::consts::TAU;
 
 use frettrace_beam::{Boundary, Dof, ModalModel, ModalOptions, UniformBeam};
-use frettrace_forward::accelerations::{AccelerationModel, Rig, RunLines, SensorSetting, Setting};
+use frettrace_forward::accelerations::{AccelerationModel, Rig, RunLines, Setting};
 use frettrace_forward::march::{
     Assembly, FrictionContact, March, Normal, Port, SettleOptions, Settling, Structure, settle,
 };
@@ -101,23 +101,10 @@ fn balanced(force: f64, order: usize) -> Vec<Complex64> {
         contact_order: order,
         samples: 16 * (order + 1),
     };
-    let setting = Setting {
-        frequency: model().natural_frequency().to_vec(),
-        damping: vec![DAMPING; MODES],
-        // Its stiffness is not used: the contact is rigid.
-        law: ModifiedLaw::dahl(1e6, MU),
-        rigid: true,
-        modulation: 0,
-        ports: Vec::new(),
-        mass: None,
-        clamp_compliance: 0.0,
-        drift: 0.0,
-        contact_compliance: 0.0,
-        base: None,
-        base_line: 0,
-        base_motion: None,
-        sensors: vec![SensorSetting::default()],
-    };
+    // Its stiffness is not used: the contact is rigid.
+    let law = ModifiedLaw::dahl(1e6, MU);
+    let frequency = model().natural_frequency().to_vec();
+    let setting = Setting { rigid: true, ..Setting::new(frequency, vec![DAMPING; MODES], law, 1) };
     let model = AccelerationModel::new(rig, vec![lines]).unwrap();
     model.predict(&setting, &[0], &mut model.memory()).unwrap().swap_remove(0).swap_remove(0)
 }

@@ -17,7 +17,7 @@ mod profile;
 mod systematic;
 
 pub use error::IdentifyError;
-pub use fit::{Fit, FitSettings, ManyFits, Status, fit, fit_from_many, starts};
+pub use fit::{Fit, FitSettings, ManyFits, Status, fit, fit_from_many, fit_with_memory, starts};
 pub use groups::{GroupTest, Grouping, test_groups};
 pub use identifiability::{Identifiability, IdentifiedParameter};
 pub use identified::{Identified, IdentifySettings, ResidualStatistics, identify};

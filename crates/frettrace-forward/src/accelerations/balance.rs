@@ -218,7 +218,7 @@ fn fit_lines(e: &Evaluation<'_>, given: &[f64], free: &Free<'_>) -> Balance {
         let at = h as f64 * e.lines.omega;
         for s in 0..sensors {
             let sensor = e.setting.sensors[s];
-            let distortion = Complex64::from_polar(sensor.gain, -at * sensor.delay) / e.lines.deviation[s][h];
+            let distortion = sensor.response(at) / e.lines.deviation[s][h];
             let row = Layout::sensor_row(s);
             columns[0][s] = e.block.at(h, row, 1) * distortion * (at * at);
             for (k, column) in columns.iter_mut().skip(1).enumerate() {

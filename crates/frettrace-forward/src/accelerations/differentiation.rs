@@ -99,16 +99,20 @@ impl Differentiation<'_> {
         distort_change(change, e.setting, e.lines.omega)
     }
 
-    /// Change of the motion of every row at fixed contact forces: `∂R_e F − ∂R_f f`, `rows` values a line.
+    /// Change of the motion of every row at fixed contact forces: `∂R_e F − ∂R_f f`, and of what moves with the base; `rows`
+    /// values a line.
     fn motion(&self, index: usize, quantity: Quantity, kept: &RunMemory) -> Option<Vec<Complex64>> {
         let e = self.evaluation;
         let (omega, order) = (e.lines.omega, e.order());
+        let mut base = Vec::new();
         let derivative = match (&self.moved[index], quantity) {
             (Some((beside, distance)), _) => {
                 let mut block = beside.block(omega, order, e.lines.progress);
                 for (value, plain) in block.values.iter_mut().zip(&e.block.values) {
                     *value = (*value - plain) / *distance;
                 }
+                base = beside.base_lines(e.setting, (e.lines, self.run));
+                base.iter_mut().zip(e.base).for_each(|(moved, plain)| *moved = (*moved - plain) / *distance);
                 block
             }
             (None, Quantity::ModeFrequency(n)) => self.structure.mode_gradient(n, false, omega, order),
@@ -116,7 +120,7 @@ impl Differentiation<'_> {
             (None, Quantity::BaseReal | Quantity::BaseImaginary) => return Some(self.base_motion(quantity)),
             _ => return None,
         };
-        let changed = Evaluation { block: &derivative, base: &[], ..*e };
+        let changed = Evaluation { block: &derivative, base: &base, ..*e };
         let rows = e.layout.rows();
         Some(
             (0..=order)
@@ -139,12 +143,11 @@ impl Differentiation<'_> {
     }
 }
 
-/// Sensors distort: gain, delay and offset.
+/// Sensors distort: gain, delay, low pass and offset.
 pub(super) fn distort(mut plain: Prediction, setting: &Setting, omega: f64) -> Prediction {
     for (lines, sensor) in plain.iter_mut().zip(&setting.sensors) {
         for (h, line) in lines.iter_mut().enumerate() {
-            let phase = Complex64::from_polar(sensor.gain, -(h as f64) * omega * sensor.delay);
-            *line = *line * phase + if h == 0 { sensor.offset } else { 0.0 };
+            *line = *line * sensor.response(h as f64 * omega) + if h == 0 { sensor.offset } else { 0.0 };
         }
     }
     plain
@@ -153,7 +156,7 @@ pub(super) fn distort(mut plain: Prediction, setting: &Setting, omega: f64) -> P
 fn distort_change(mut change: Prediction, setting: &Setting, omega: f64) -> Prediction {
     for (lines, sensor) in change.iter_mut().zip(&setting.sensors) {
         for (h, line) in lines.iter_mut().enumerate() {
-            *line *= Complex64::from_polar(sensor.gain, -(h as f64) * omega * sensor.delay);
+            *line *= sensor.response(h as f64 * omega);
         }
     }
     change
@@ -164,14 +167,16 @@ fn sensor_column(quantity: Quantity, e: &Evaluation<'_>, plain: &Prediction) -> 
     let mut column: Prediction = plain.iter().map(|lines| vec![Complex64::ZERO; lines.len()]).collect();
     let omega = e.lines.omega;
     match quantity {
-        Quantity::Gain(s) | Quantity::Delay(s) if s < column.len() => {
+        Quantity::Gain(s) | Quantity::Delay(s) | Quantity::Lag(s) if s < column.len() => {
             let sensor = e.setting.sensors[s];
             for (h, (out, a)) in column[s].iter_mut().zip(&plain[s]).enumerate() {
-                let turn = Complex64::from_polar(1.0, -(h as f64) * omega * sensor.delay);
-                *out = a * turn;
-                if matches!(quantity, Quantity::Delay(_)) {
-                    *out *= Complex64::new(0.0, -(h as f64) * omega) * sensor.gain;
-                }
+                let rate = Complex64::new(0.0, h as f64 * omega);
+                let slope = match quantity {
+                    Quantity::Gain(_) => Complex64::from(sensor.gain.recip()),
+                    Quantity::Delay(_) => -rate,
+                    _ => -rate / (1.0 + rate * sensor.lag),
+                };
+                *out = a * sensor.response(h as f64 * omega) * slope;
             }
         }
         Quantity::Offset(s) if s < column.len() => column[s][0] = Complex64::ONE,

@@ -3,7 +3,7 @@
 use super::differentiation::{Differentiation, distort};
 use super::run::{Evaluation, RunLines};
 use super::setting::{Quantity, Rig, Setting};
-use super::solve::{RunMemory, solve};
+use super::solve::{RunMemory, approach, solve};
 use super::structure::{Block, Layout, Structure};
 use frettrace_beam::BeamError;
 use frettrace_fourier::{Grid, GridError};
@@ -95,16 +95,7 @@ impl AccelerationModel {
     pub(super) fn prepare(&self, structure: &Structure, setting: &Setting, run: usize) -> Prepared {
         let lines = &self.runs[run];
         let block = structure.block(lines.omega, lines.contact_order, lines.progress);
-        let base = setting.base.map_or_else(Vec::new, |[re, im]| {
-            let rows = structure.layout().rows();
-            let factor = Complex64::new(re, im);
-            structure
-                .transmissibility(lines.omega, lines.contact_order)
-                .into_iter()
-                .enumerate()
-                .map(|(k, t)| t * factor * setting.clamp_unit(lines, (run, k / rows)))
-                .collect()
-        });
+        let base = structure.base_lines(setting, (lines, run));
         Prepared { block, base }
     }
 
@@ -145,6 +136,39 @@ impl AccelerationModel {
             solve(&evaluation, kept, self.tolerance).map_err(|left| not_balanced(run, left))?;
             Ok(distort(evaluation.accelerations(&kept.unknowns), setting, self.runs[run].omega))
         })
+    }
+
+    /// Solutions of the selected runs from what was recovered of them, by a longer way than [`Self::predict`] goes: for a start
+    /// at which that finds none.
+    ///
+    /// # Errors
+    /// As [`Self::predict`].
+    pub fn approach(
+        &self,
+        setting: &Setting,
+        selected: &[usize],
+        memory: &mut Memory,
+    ) -> Result<(), AccelerationError> {
+        let structure = Structure::new(&self.rig, setting)?;
+        let known = memory.clone();
+        self.each(selected, memory, |run, kept| {
+            let prepared = self.prepare(&structure, setting, run);
+            let evaluation = self.evaluation(structure.layout(), setting, &prepared, run);
+            let beside = self.nearest(run).into_iter().filter_map(|other| known.runs.get(other));
+            approach(&evaluation, kept, (beside, self.tolerance)).map_err(|left| not_balanced(run, left))
+        })?;
+        Ok(())
+    }
+
+    /// The other runs, those of the nearest excitation first.
+    fn nearest(&self, run: usize) -> Vec<usize> {
+        let level = |run: usize| self.runs[run].force.iter().map(|f| f.norm()).fold(0.0, f64::max).ln();
+        let mut others: Vec<usize> = (0..self.runs.len()).filter(|other| *other != run).collect();
+        others.sort_by(|&a, &b| {
+            let away = |other: usize| (level(other) - level(run)).abs();
+            away(a).total_cmp(&away(b))
+        });
+        others
     }
 
     fn each<T: Send>(
@@ -207,7 +231,7 @@ impl AccelerationModel {
         let distance = match quantity {
             Quantity::ModeFrequency(n) if !structure.plain() => 1e-6 * setting.frequency[n],
             Quantity::ModeDamping(n) if !structure.plain() => 1e-4 * setting.damping[n],
-            Quantity::PortPosition(_) | Quantity::MassPosition | Quantity::Shift(_) => 1e-5 * length,
+            Quantity::PortPosition(_) | Quantity::MassPosition | Quantity::Shift(_) => 1e-7 * length,
             Quantity::ClampCompliance => 1e-6,
             Quantity::AddedMass => 1e-6 * self.rig.beam.mass_per_length * length,
             Quantity::Drift => 1e-7,

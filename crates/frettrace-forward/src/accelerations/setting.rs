@@ -59,13 +59,22 @@ pub struct SensorSetting {
     pub delay: f64,
     /// Distance from the declared position (m).
     pub shift: f64,
+    /// Time constant of a low pass of first order (s).
+    pub lag: f64,
     /// Offset (m/s²).
     pub offset: f64,
 }
 
 impl Default for SensorSetting {
     fn default() -> Self {
-        Self { gain: 1.0, delay: 0.0, shift: 0.0, offset: 0.0 }
+        Self { gain: 1.0, delay: 0.0, shift: 0.0, lag: 0.0, offset: 0.0 }
+    }
+}
+
+impl SensorSetting {
+    /// `g e^{−iωd}/(1 + iωτ)` at an angular frequency (rad/s): what the channel makes of a line.
+    pub(super) fn response(&self, omega: f64) -> Complex64 {
+        Complex64::from_polar(self.gain, -omega * self.delay) / Complex64::new(1.0, omega * self.lag)
     }
 }
 
@@ -100,6 +109,8 @@ pub enum Quantity {
     Gain(usize),
     /// Delay of a sensor (s).
     Delay(usize),
+    /// Time constant of a sensor's low pass (s).
+    Lag(usize),
     /// Distance of a sensor from its declared position (m).
     Shift(usize),
     /// Offset of a sensor (m/s²).
@@ -142,6 +153,27 @@ pub struct Setting {
 }
 
 impl Setting {
+    /// Nothing but the modes (natural frequencies in rad/s, damping ratios) and a friction law that yields, read by sound sensors.
+    #[must_use]
+    pub fn new(frequency: Vec<f64>, damping: Vec<f64>, law: ModifiedLaw<f64>, sensors: usize) -> Self {
+        Self {
+            frequency,
+            damping,
+            law,
+            rigid: false,
+            modulation: 1,
+            ports: Vec::new(),
+            mass: None,
+            clamp_compliance: 0.0,
+            drift: 0.0,
+            contact_compliance: 0.0,
+            base: None,
+            base_line: 0,
+            base_motion: None,
+            sensors: vec![SensorSetting::default(); sensors],
+        }
+    }
+
     /// Whether friction is set-valued at rest.
     #[must_use]
     pub fn holds_rigidly(&self) -> bool {
@@ -178,6 +210,7 @@ impl Setting {
             Quantity::BaseImaginary => self.base.map(|b| b[1]),
             Quantity::Gain(k) => sensor(k).map(|s| s.gain),
             Quantity::Delay(k) => sensor(k).map(|s| s.delay),
+            Quantity::Lag(k) => sensor(k).map(|s| s.lag),
             Quantity::Shift(k) => sensor(k).map(|s| s.shift),
             Quantity::Offset(k) => sensor(k).map(|s| s.offset),
         }
@@ -206,6 +239,7 @@ impl Setting {
             Quantity::BaseImaginary => self.base.as_mut().map(|b| &mut b[1]),
             Quantity::Gain(k) => self.sensors.get_mut(k).map(|s| &mut s.gain),
             Quantity::Delay(k) => self.sensors.get_mut(k).map(|s| &mut s.delay),
+            Quantity::Lag(k) => self.sensors.get_mut(k).map(|s| &mut s.lag),
             Quantity::Shift(k) => self.sensors.get_mut(k).map(|s| &mut s.shift),
             Quantity::Offset(k) => self.sensors.get_mut(k).map(|s| &mut s.offset),
         };

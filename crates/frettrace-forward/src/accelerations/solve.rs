@@ -4,6 +4,7 @@ use super::balance::recover;
 use super::linear::Tangent;
 use super::run::{Evaluation, State, coefficient};
 use super::structure::Layout;
+use frettrace_fourier::GridScratch;
 use num_complex::Complex64;
 use std::sync::Arc;
 
@@ -62,19 +63,88 @@ const PATIENCE: usize = 8;
 
 /// Newton's method with a kept factor, renewed where it no longer contracts.
 pub(super) fn solve(e: &Evaluation<'_>, kept: &mut RunMemory, tolerance: f64) -> Result<(), f64> {
-    let mut scratch = e.grid.scratch();
     if kept.unknowns.len() != e.width() {
         kept.factor = None;
         kept.unknowns = recover(e);
     }
+    newton(&Balanced { e, offset: &[] }, kept, tolerance)
+}
+
+/// First step of the way from the recovered forces to the balance, and the smallest before it is given up.
+const STRIDE: [f64; 2] = [0.25, 0.01];
+
+/// Other runs whose solutions are tried as a start.
+const NEIGHBOURS: usize = 3;
+
+/// As [`solve`]; where that fails, from the solutions of other runs, and from the recovered forces `f0` by Newton's homotopy: the
+/// imbalance `F` is brought from `F(f0)` to nothing along `F(f) = (1 − λ) F(f0)`, each solution the start of the next. Dear:
+/// for first solutions only.
+pub(super) fn approach<'a>(
+    e: &Evaluation<'_>,
+    kept: &mut RunMemory,
+    (others, tolerance): (impl Iterator<Item = &'a RunMemory>, f64),
+) -> Result<(), f64> {
+    if solve(e, kept, tolerance).is_ok() {
+        return Ok(());
+    }
+    let balanced = Balanced { e, offset: &[] };
+    for other in others.filter(|other| other.unknowns.len() == e.width()).take(NEIGHBOURS) {
+        *kept = other.clone();
+        if newton(&balanced, kept, tolerance).is_ok() {
+            return Ok(());
+        }
+    }
+    kept.factor = None;
+    kept.unknowns = recover(e);
+    let begun = balanced.at(&kept.unknowns, &mut e.grid.scratch()).1;
+    let (mut level, mut stride) = (0.0, STRIDE[0]);
+    let mut last = kept.unknowns.clone();
+    while level < 1.0 {
+        let next: f64 = f64::min(level + stride, 1.0);
+        let offset: Vec<f64> = begun.iter().map(|x| (1.0 - next) * x).collect();
+        kept.unknowns.clone_from(&last);
+        match newton(&Balanced { e, offset: &offset }, kept, tolerance) {
+            Ok(()) => {
+                (level, stride) = (next, 1.5 * stride);
+                last.clone_from(&kept.unknowns);
+            }
+            Err(left) if stride < STRIDE[1] => {
+                kept.unknowns.clear();
+                return Err(left);
+            }
+            Err(_) => stride /= 3.0,
+        }
+    }
+    Ok(())
+}
+
+/// An imbalance that is to be as large as stated; balanced where nothing is.
+struct Balanced<'a, 'b> {
+    e: &'a Evaluation<'b>,
+    offset: &'a [f64],
+}
+
+impl Balanced<'_, '_> {
+    /// State and imbalance at the given forces.
+    fn at(&self, unknowns: &[f64], scratch: &mut GridScratch) -> (State, Vec<f64>) {
+        let state = self.e.evaluate(unknowns, scratch);
+        let answer = self.e.answer(&state, scratch);
+        let mut difference: Vec<f64> = unknowns.iter().zip(&answer).map(|(x, a)| x - a).collect();
+        difference.iter_mut().zip(self.offset).for_each(|(d, offset)| *d -= offset);
+        (state, difference)
+    }
+}
+
+/// Newton's method from the kept forces; they are cleared where it fails.
+fn newton(balanced: &Balanced<'_, '_>, kept: &mut RunMemory, tolerance: f64) -> Result<(), f64> {
+    let e = balanced.e;
+    let mut scratch = e.grid.scratch();
     let tolerance = if e.rigid() { RIGID * tolerance } else { tolerance };
     let mut best = f64::INFINITY;
     let mut fresh = false;
     let mut stale = 0;
     for _ in 0..40 {
-        let state = e.evaluate(&kept.unknowns, &mut scratch);
-        let answer = e.answer(&state, &mut scratch);
-        let difference: Vec<f64> = kept.unknowns.iter().zip(&answer).map(|(x, a)| x - a).collect();
+        let (state, difference) = balanced.at(&kept.unknowns, &mut scratch);
         let left = imbalance(e, &difference);
         if !left.is_finite() {
             kept.unknowns.clear();
@@ -99,23 +169,22 @@ pub(super) fn solve(e: &Evaluation<'_>, kept: &mut RunMemory, tolerance: f64) ->
         let Some((factor, _)) = &kept.factor else { return Err(left) };
         let right = faer::Col::from_fn(difference.len(), |i| difference[i]);
         let step = faer::linalg::solvers::Solve::solve(factor.as_ref(), &right);
-        descend(e, kept, &step, left, &mut scratch);
+        descend(balanced, kept, (&step, left), &mut scratch);
     }
     kept.unknowns.clear();
     Err(best)
 }
 
-fn factorise(e: &Evaluation<'_>, state: &State, scratch: &mut frettrace_fourier::GridScratch) -> Factor {
+fn factorise(e: &Evaluation<'_>, state: &State, scratch: &mut GridScratch) -> Factor {
     Arc::new(Tangent::new(e, state, &[]).jacobian(scratch).partial_piv_lu())
 }
 
 /// Goes along the step as far as the imbalance does not grow.
 fn descend(
-    e: &Evaluation<'_>,
+    balanced: &Balanced<'_, '_>,
     kept: &mut RunMemory,
-    step: &faer::Col<f64>,
-    left: f64,
-    scratch: &mut frettrace_fourier::GridScratch,
+    (step, left): (&faer::Col<f64>, f64),
+    scratch: &mut GridScratch,
 ) {
     let from = kept.unknowns.clone();
     let mut share = 1.0;
@@ -123,10 +192,8 @@ fn descend(
         for (i, (x, old)) in kept.unknowns.iter_mut().zip(&from).enumerate() {
             *x = old - share * step[i];
         }
-        let state = e.evaluate(&kept.unknowns, scratch);
-        let answer = e.answer(&state, scratch);
-        let difference: Vec<f64> = kept.unknowns.iter().zip(&answer).map(|(x, a)| x - a).collect();
-        if imbalance(e, &difference) < 1.5 * left {
+        let (_, difference) = balanced.at(&kept.unknowns, scratch);
+        if imbalance(balanced.e, &difference) < 1.5 * left {
             return;
         }
         share *= 0.4;

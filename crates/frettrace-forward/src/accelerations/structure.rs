@@ -1,5 +1,6 @@
 //! The structure as receptances between the points the model needs, line by line.
 
+use super::run::RunLines;
 use super::setting::{PortPlace, Quantity, Rig, Setting};
 use frettrace_beam::{BeamError, Boundary, Dof, Element, ModalModel, ModalOptions, Probe};
 use num_complex::Complex64;
@@ -9,6 +10,8 @@ use num_complex::Complex64;
 pub(super) struct Structure {
     model: ModalModel,
     /// `participation[mode·count + functional]`.
+    /// Ratios by which a compliant clamp lowers the measured frequencies; empty where it is stiff.
+    clamp: Vec<f64>,
     participation: Vec<f64>,
     residual: Vec<f64>,
     count: usize,
@@ -88,7 +91,7 @@ impl Structure {
             known: rig.known_support.is_some(),
             mass: setting.mass.is_some(),
         };
-        let model = modal_model(rig, setting)?;
+        let (model, clamp) = modal_model(rig, setting)?;
         let (dofs, modal) = functionals(rig, setting);
         let probe = model.probe(&dofs);
         let count = dofs.len();
@@ -108,6 +111,7 @@ impl Structure {
         let mass = setting.mass.map(|m| m[0]);
         Ok(Self {
             model,
+            clamp,
             participation,
             residual,
             count,
@@ -122,11 +126,16 @@ impl Structure {
     /// Takes over frequencies, damping, mass and drift; the points stay.
     pub fn retune(&mut self, setting: &Setting) {
         for (mode, (&frequency, &damping)) in setting.frequency.iter().zip(&setting.damping).enumerate() {
-            self.model.set_mode(mode, frequency, damping);
+            self.model.set_mode(mode, self.lowered(mode) * frequency, damping);
         }
         self.mass = setting.mass.map(|m| m[0]);
         self.drift = setting.drift;
         self.contact_compliance = setting.contact_compliance;
+    }
+
+    /// Ratio by which a compliant clamp lowers a measured frequency.
+    fn lowered(&self, mode: usize) -> f64 {
+        self.clamp.get(mode).copied().unwrap_or(1.0)
     }
 
     pub fn layout(&self) -> Layout {
@@ -195,7 +204,7 @@ impl Structure {
 
     /// Whether the derivative by a mode's values has rank one.
     pub fn plain(&self) -> bool {
-        self.mass.is_none() && self.drift == 0.0
+        self.mass.is_none() && self.drift == 0.0 && self.rigid.is_empty()
     }
 
     /// Derivative of a block by frequency or damping of one mode (only where [`Self::plain`]).
@@ -203,8 +212,10 @@ impl Structure {
         let (rows, columns) = (self.layout.rows(), self.layout.columns());
         let shape = &self.participation[mode * self.count..(mode + 1) * self.count];
         let mut values = Vec::with_capacity((order + 1) * rows * columns);
+        let inner = if damping { 1.0 } else { self.lowered(mode) };
         for line in 0..=order {
-            let gain = self.model.modal_receptance_gradient(mode, line as f64 * omega)[usize::from(damping)];
+            let gradient = self.model.modal_receptance_gradient(mode, line as f64 * omega);
+            let gain = gradient[usize::from(damping)] * inner;
             for row in 0..rows {
                 let scaled = gain * shape[self.row_functional(row)];
                 values.extend((0..columns).map(|c| scaled * shape[self.column_functional(c)]));
@@ -236,6 +247,14 @@ impl Structure {
         out
     }
 
+    /// Motion of every row with the base of a setting in a run, `rows` values a line; empty where the base is at rest.
+    pub fn base_lines(&self, setting: &Setting, (lines, run): (&RunLines, usize)) -> Vec<Complex64> {
+        let Some([re, im]) = setting.base else { return Vec::new() };
+        let (rows, factor) = (self.layout.rows(), Complex64::new(re, im));
+        let unit = self.transmissibility(lines.omega, lines.contact_order).into_iter().enumerate();
+        unit.map(|(k, t)| t * factor * setting.clamp_unit(lines, (run, k / rows))).collect()
+    }
+
     /// Whether a quantity moves points or shapes, so that the structure must be built anew.
     pub fn rebuilds(quantity: Quantity) -> bool {
         matches!(
@@ -248,8 +267,9 @@ impl Structure {
     }
 }
 
-/// Measured modes on the declared beam; a compliant clamp lowers every mode by the declared beam's own ratio.
-fn modal_model(rig: &Rig, setting: &Setting) -> Result<ModalModel, BeamError> {
+/// Measured modes on the declared beam; a compliant clamp lowers every mode by the declared beam's own ratios, which come with
+/// them (none where the clamp is stiff).
+fn modal_model(rig: &Rig, setting: &Setting) -> Result<(ModalModel, Vec<f64>), BeamError> {
     let build = |boundary: &Boundary, frequency: Vec<f64>| {
         let options = ModalOptions {
             modes: rig.modes,
@@ -260,17 +280,15 @@ fn modal_model(rig: &Rig, setting: &Setting) -> Result<ModalModel, BeamError> {
         ModalModel::new(&rig.beam, boundary, &options)
     };
     if setting.clamp_compliance <= 0.0 {
-        return build(&rig.boundary, setting.frequency.clone());
+        return Ok((build(&rig.boundary, setting.frequency.clone())?, Vec::new()));
     }
     let flexural = rig.beam.bending_stiffness / rig.beam.length;
     let soft = Boundary { clamp_rotational_stiffness: flexural / setting.clamp_compliance, ..rig.boundary };
     let (stiff, loose) = (build(&rig.boundary, Vec::new())?, build(&soft, Vec::new())?);
-    let frequency = setting
-        .frequency
-        .iter()
-        .enumerate()
-        .map(|(n, f)| f * loose.natural_frequency()[n] / stiff.natural_frequency()[n]);
-    build(&soft, frequency.collect())
+    let modes = loose.natural_frequency().iter().zip(stiff.natural_frequency());
+    let ratios: Vec<f64> = modes.map(|(loose, stiff)| loose / stiff).take(setting.frequency.len()).collect();
+    let frequency = setting.frequency.iter().zip(&ratios).map(|(f, ratio)| f * ratio).collect();
+    Ok((build(&soft, frequency)?, ratios))
 }
 
 /// Degrees of freedom of all functionals, and the mode of those that are modal coordinates.

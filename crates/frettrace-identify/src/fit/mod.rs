@@ -94,7 +94,10 @@ pub fn fit<M: Model>(model: &M, start: &[f64], settings: &FitSettings) -> Result
 }
 
 /// As [`fit`], with memory (warm starts) that is handed back.
-pub(crate) fn fit_with_memory<M: Model>(
+///
+/// # Errors
+/// As [`fit`].
+pub fn fit_with_memory<M: Model>(
     model: &M,
     start: &[f64],
     settings: &FitSettings,
