@@ -1,7 +1,7 @@
 //! The parameters of the modified law.
 
 /// Number of hooks.
-pub const HOOKS: usize = 51;
+pub const HOOKS: usize = 52;
 
 /// A parameter of [`ModifiedLaw`](super::ModifiedLaw): those of the declared laws first, then those of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -109,6 +109,8 @@ pub enum Hook {
     ViscousReference,
     /// Saturation `κ` of a lag whose rate is bounded, `(s − m)/(τ(1 + κ|s − m|))`, in units of the curve or of `v_s`.
     LagSaturation,
+    /// Steepness `κ` of the modulation of the preload, `tanh(κ cos ψ)/tanh κ` in place of `cos ψ`.
+    ModulationSteepness,
 }
 
 impl Hook {
@@ -165,7 +167,43 @@ impl Hook {
         Self::ViscousPower,
         Self::ViscousReference,
         Self::LagSaturation,
+        Self::ModulationSteepness,
     ];
+
+    /// Value at which the hook adds nothing, where it measures the size of an effect; `None` for shapes, times and scales.
+    #[must_use]
+    pub fn nothing(self) -> Option<f64> {
+        match self {
+            Self::Exponent | Self::FlowPower => Some(1.0),
+            Self::Sigma1
+            | Self::Viscous
+            | Self::ViscousSquare
+            | Self::StribeckRise
+            | Self::Breakaway
+            | Self::Asymmetry
+            | Self::LagTime
+            | Self::SpeedLag
+            | Self::VelocityLag
+            | Self::ForceLag
+            | Self::FilmLoss
+            | Self::AgeingGain
+            | Self::Position
+            | Self::PositionSquare
+            | Self::PositionCube
+            | Self::PeriodicCosine
+            | Self::PeriodicSine
+            | Self::NormalExponent
+            | Self::NormalCurvature
+            | Self::Wear
+            | Self::SeriesCompliance
+            | Self::ParallelStiffness
+            | Self::ParallelCubic
+            | Self::Backlash
+            | Self::ModulationCosine
+            | Self::ModulationSine => Some(0.0),
+            _ => None,
+        }
+    }
 
     /// Its name in results and its unit.
     #[must_use]
@@ -222,6 +260,7 @@ impl Hook {
             Self::ViscousPower => ("viscous_power", "1"),
             Self::ViscousReference => ("viscous_reference", "m/s"),
             Self::LagSaturation => ("lag_saturation", "1"),
+            Self::ModulationSteepness => ("modulation_steepness", "1"),
         }
     }
 }

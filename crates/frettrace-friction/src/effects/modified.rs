@@ -256,9 +256,16 @@ impl<T: Scalar> ModifiedLaw<T> {
         if !self.on(Hook::ModulationCosine) {
             return normal;
         }
+        let [cosine, sine] = [Hook::ModulationCosine, Hook::ModulationSine].map(|hook| self.at(hook));
+        let steepness = self.at(Hook::ModulationSteepness);
+        let shaped = self.on(Hook::ModulationSteepness) && steepness.re() > 0.0;
         std::array::from_fn(|k| {
-            let [cosine, sine] = circumstance.phase[k];
-            let share = self.at(Hook::ModulationCosine) * cosine + self.at(Hook::ModulationSine) * sine;
+            let [c, s] = circumstance.phase[k];
+            let mut share = cosine * c + sine * s;
+            if shaped {
+                let size = (cosine * cosine + sine * sine).sqrt();
+                share = size * (steepness * share / size).tanh() / steepness.tanh();
+            }
             normal[k] + share * circumstance.preload
         })
     }
