@@ -5,6 +5,7 @@ mod case;
 mod channels;
 mod contact_fit;
 mod contact_search;
+mod controls;
 pub(crate) mod effects;
 mod exhibit;
 mod fitting;
@@ -23,6 +24,7 @@ mod verdict;
 
 pub use case::{Case, DeclaredModes, Scales, positive, signed};
 pub use channels::{ChannelFault, Clipped, records};
+pub use controls::{Control, Question, controls};
 pub use effects::effect_ids;
 pub use exhibit::{Exhibit, Loop, exhibits};
 pub use fitting::{AccelerationFit, Unknown};

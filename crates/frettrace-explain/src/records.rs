@@ -146,6 +146,15 @@ impl RunRecord {
         }
     }
 
+    /// Gives sensors that clip their weight back: of lines that were not read from them.
+    pub(crate) fn unsilence(&mut self) {
+        for (sensor, clipped) in self.clipped.iter_mut().enumerate() {
+            if clipped.take().is_some() {
+                self.lines.deviation[sensor].iter_mut().for_each(|d| *d /= SILENT);
+            }
+        }
+    }
+
     /// Mean square of measured minus predicted in a sensor that clips, with the prediction clipped alike.
     pub(crate) fn clipped_error(&self, sensor: usize, predicted: &[Complex64]) -> Option<f64> {
         self.clipped[sensor].as_ref().map(|clipped| self.mean_square_error(clipped, predicted))

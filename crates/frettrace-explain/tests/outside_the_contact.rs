@@ -8,7 +8,8 @@ use std::f64::consts::TAU;
 
 use frettrace_beam::{Boundary, ModalModel, ModalOptions, UniformBeam};
 use frettrace_explain::{
-    Case, ChannelFault, DeclaredModes, Outcome, Place, RunSamples, Verdict, explain, records,
+    Case, ChannelFault, Control, DeclaredModes, Outcome, Place, Question, RunSamples, Verdict, controls,
+    explain, records,
 };
 use frettrace_forward::accelerations::Rig;
 use frettrace_forward::march::Characteristic;
@@ -248,4 +249,28 @@ fn sound_channels_have_no_faults() {
     let measured = measured(&rig(), &LEVELS);
     let (_, faults) = records(&samples(&measured), Some(&[NOISE; 5])).unwrap();
     assert!(faults.is_empty(), "{faults:?}");
+}
+
+/// Asked again where the answer is known: nothing is claimed on the declared model and noise, the name left out leaves something
+/// missing, and the effect is found again at full and at half size.
+#[test]
+fn controls_answer_as_they_must() {
+    let mut rig = rig();
+    rig.attached = vec![(0.31, Attached::Mass(0.004))];
+    let case = declared(&rig, &measured(&rig, &LEVELS));
+    let outcome = explain(&case).unwrap();
+    assert_eq!(outcome.effects[0].id, "structure.added-mass");
+    let asked = controls(&case, &outcome, 2, 5).unwrap();
+    let questions: Vec<Question> = asked.iter().map(|control| control.question).collect();
+    let injected = [1.0, 0.5].map(Question::Injection);
+    assert_eq!(
+        questions,
+        [Question::Surrogate, Question::Surrogate, Question::LeftOut, injected[0], injected[1]]
+    );
+    assert!(asked.iter().all(|control| control.right), "{asked:?}");
+    let named = |control: &Control| control.named.clone();
+    assert!(named(&asked[0]).is_empty() && named(&asked[3]) == ["structure.added-mass"]);
+    assert_ne!(asked[2].verdict, Verdict::NothingMissing);
+    // The same draws on every call, other draws from another seed.
+    assert_eq!(controls(&case, &outcome, 2, 5).unwrap(), asked);
 }

@@ -35,6 +35,9 @@ pub enum StudyError {
     /// Nothing can be explained.
     #[error(transparent)]
     Explain(#[from] frettrace_explain::ExplainError),
+    /// Controls of a contact record.
+    #[error("controls draw beams anew, and a contact record has none; leave --controls out")]
+    ControlsOfRecord,
     /// A contact record without a motion.
     #[error("no run of the contact record holds {least} samples of a motion; record at least one stroke")]
     NoStroke {

@@ -3,8 +3,8 @@
 mod contact_record;
 
 use crate::results::{
-    BeforeAfter, Candidate, Effect, ErrorSummary, Estimate, Explanation, HeldOut, Identification,
-    ModeEstimate, NoiseFloorSource, Place, Provenance, Structure, Verdict,
+    BeforeAfter, Candidate, Control, Effect, ErrorSummary, Estimate, Explanation, HeldOut, Identification,
+    ModeEstimate, NoiseFloorSource, Place, Provenance, Question, Structure, Verdict,
 };
 use crate::{Progress, StudyError, case};
 use frettrace_explain::{Explained, Outcome, RunError};
@@ -19,6 +19,8 @@ pub struct ExplainOptions {
     pub seed: u64,
     /// Ids of effects that are not looked for: known to be absent, or left out to see what takes their place.
     pub without: Vec<String>,
+    /// Surrogates to be explained as a control, beside the other controls; none where this is 0.
+    pub controls: usize,
 }
 
 /// Explains a recording.
@@ -32,18 +34,42 @@ pub fn explain(
 ) -> Result<Explanation, StudyError> {
     let measurement = match recording {
         Recording::Measurement(measurement) => measurement,
+        Recording::Contact(_) if options.controls > 0 => return Err(StudyError::ControlsOfRecord),
         Recording::Contact(record) => return contact_record::explain(record, options, progress),
     };
-    progress.start(2, "lines");
+    progress.start(if options.controls > 0 { 3 } else { 2 }, "lines");
     let mut case = case::case(measurement)?;
     case.without.clone_from(&options.without);
     case::recover_aperiodic(&mut case, measurement)?;
     progress.step();
     let outcome = frettrace_explain::explain(&case)?;
     let shown = frettrace_explain::exhibits(&case, &outcome)?;
+    progress.step();
+    let controls = if options.controls > 0 {
+        frettrace_explain::controls(&case, &outcome, options.controls, options.seed)?
+    } else {
+        Vec::new()
+    };
     progress.finish();
     let exhibits = crate::exhibits::exhibits(measurement, &shown, &outcome.runs[1]);
-    Ok(Explanation { exhibits, ..explanation(measurement, options, &outcome) })
+    let controls = controls.iter().map(control).collect();
+    Ok(Explanation { exhibits, controls, ..explanation(measurement, options, &outcome) })
+}
+
+fn control(asked: &frettrace_explain::Control) -> Control {
+    let (question, share) = match asked.question {
+        frettrace_explain::Question::Surrogate => (Question::Surrogate, None),
+        frettrace_explain::Question::LeftOut => (Question::LeftOut, None),
+        frettrace_explain::Question::Injection(share) => (Question::Injection, Some(share)),
+    };
+    Control {
+        question,
+        share,
+        verdict: verdict(asked.verdict),
+        named: asked.named.iter().map(|id| (*id).to_owned()).collect(),
+        place: asked.place.map(place),
+        right: asked.right,
+    }
 }
 
 fn explanation(measurement: &Measurement, options: &ExplainOptions, outcome: &Outcome) -> Explanation {

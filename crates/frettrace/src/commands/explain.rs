@@ -27,11 +27,19 @@ pub struct Arguments {
     /// Effects that are not looked for, by their ids
     #[arg(long, value_name = "ID", value_delimiter = ',', value_parser = PossibleValuesParser::new(frettrace_explain::effect_ids()))]
     without: Vec<String>,
+    /// Controls: the same search on SURROGATES of the declared model, without the named effects in its list, and on the explaining
+    /// model at full and half size, with noise drawn anew
+    #[arg(long, value_name = "SURROGATES", num_args = 0..=1, default_missing_value = "4", default_value_t = 0, hide_default_value = true)]
+    controls: usize,
+    /// Seed of the noise that controls draw
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
 }
 
 pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
     let recording = frettrace_measurement::read(&arguments.file)?;
-    let options = ExplainOptions { without: arguments.without.clone(), ..ExplainOptions::default() };
+    let Arguments { without, controls, seed, .. } = arguments;
+    let options = ExplainOptions { seed: *seed, without: without.clone(), controls: *controls };
     let found = explain(&recording, &options, &session.progress)?;
     if let Some(path) = &arguments.output {
         store::write_text(path, &store::to_json(path, &found)?)?;
@@ -70,6 +78,12 @@ pub fn text(found: &Explanation) -> String {
                 format!("to tell it from {rivals}")
             };
             text += &format!("  {aim}: {experiment}\n");
+        }
+    }
+    if !found.controls.is_empty() {
+        text += "\ncontrols\n";
+        for control in &found.controls {
+            text += &format!("  {:<42} {}\n", words::question(control), words::answer(control));
         }
     }
     let law = if found.effects.is_empty() { &found.baseline } else { &found.model };

@@ -2,7 +2,7 @@
 
 use super::{Kind, chart::Ink, escape, figures, numbers, words};
 use crate::results::{
-    BeforeAfter, ContactLoop, Estimate, Explanation, Identification, ModeEstimate, Verdict,
+    BeforeAfter, ContactLoop, Control, Estimate, Explanation, Identification, ModeEstimate, Verdict,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -18,6 +18,7 @@ pub fn html(title: &str, found: &Explanation) -> String {
         numbers::section(found),
         energy(found),
         evidence(found),
+        controls(found),
         parameters(found),
         notes(found),
     ];
@@ -132,6 +133,25 @@ fn evidence(found: &Explanation) -> String {
          candidate joins the declared model; a claim needs at least 10 over the model without it and over every \
          rival.</p>\n<div class=\"scroll\"><table>\n<tr><th>candidate</th><th></th><th>error with it</th>\
          <th>evidence</th><th></th></tr>\n{rows}</table></div>\n"
+    )
+}
+
+/// The same search where the answer is known.
+fn controls(found: &Explanation) -> String {
+    let row = |control: &Control| {
+        format!(
+            "<tr><td class=\"words\">{}</td><td class=\"words\">{}</td></tr>\n",
+            escape(&words::question(control)),
+            escape(&words::answer(control))
+        )
+    };
+    let rows: String = found.controls.iter().map(row).collect();
+    if rows.is_empty() {
+        return rows;
+    }
+    format!(
+        "<h2>Controls</h2>\n<p class=\"faint\">The same search on data whose answer is known.</p>\n<div class=\"scroll\">\
+         <table>\n<tr><th>asked</th><th>answered</th></tr>\n{rows}</table></div>\n"
     )
 }
 

@@ -1,6 +1,6 @@
 //! Findings in words: the verdict in one sentence, effects by what they do.
 
-use crate::results::{Effect, Explanation, Place, Verdict};
+use crate::results::{Control, Effect, Explanation, Place, Question, Verdict};
 
 /// What an effect id means, for a person who does not know the ids.
 #[must_use]
@@ -76,6 +76,30 @@ pub fn number(value: f64) -> String {
     } else {
         format!("{value:.3e}")
     }
+}
+
+/// What a control asks.
+#[must_use]
+pub fn question(control: &Control) -> String {
+    match control.question {
+        Question::Surrogate => "declared model and new noise".into(),
+        Question::LeftOut => "these data, without that name in the list".into(),
+        Question::Injection => {
+            let share = percent(control.share.unwrap_or(1.0));
+            format!("the effect at {share} of its size and new noise")
+        }
+    }
+}
+
+/// What a control answered, and whether that is right.
+#[must_use]
+pub fn answer(control: &Control) -> String {
+    let found = match control.verdict {
+        Verdict::NothingMissing => "nothing missing".to_owned(),
+        Verdict::Explained => control.named.join(", "),
+        Verdict::Unexplained => format!("something {} in no list", place(control.place)),
+    };
+    format!("{found}: {}", if control.right { "right" } else { "not right" })
 }
 
 /// The verdict in one sentence.

@@ -86,6 +86,36 @@ pub struct Candidate {
     pub evidence: f64,
 }
 
+/// What a control asks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Question {
+    /// The declared model with noise drawn anew: an effect named there is a false alarm.
+    #[default]
+    Surrogate,
+    /// The data, with the named effects taken out of the list.
+    LeftOut,
+    /// The explaining model with noise drawn anew, its effects at a share of their size.
+    Injection,
+}
+
+/// The same search, asked where the answer is known.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Control {
+    /// What was asked.
+    pub question: Question,
+    /// Share of its size at which the effect was injected.
+    pub share: Option<f64>,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Effects named.
+    pub named: Vec<String>,
+    /// Where something is missing.
+    pub place: Option<Place>,
+    /// Whether that is the right answer.
+    pub right: bool,
+}
+
 /// The residual against one quantity: mean square in bins, in units of the noise.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResidualShape {
@@ -226,6 +256,9 @@ pub struct Explanation {
     pub baseline: Identification,
     /// The model with the effects in it, fitted.
     pub model: Identification,
+    /// The same search where the answer is known; empty unless asked for.
+    #[serde(default)]
+    pub controls: Vec<Control>,
     /// What the report draws.
     #[serde(default)]
     pub exhibits: Exhibits,
