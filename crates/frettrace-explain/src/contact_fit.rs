@@ -199,6 +199,15 @@ impl Recovered {
     fn count(&self) -> usize {
         2 * (self.force.len() - 1)
     }
+
+    /// RMS of the friction force over the mean normal force, and that over the RMS of the slip (1/m).
+    fn sizes(&self) -> [f64; 2] {
+        let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+        let force = (0.5 * self.force.iter().skip(1).map(Complex64::norm_sqr).sum::<f64>()).sqrt();
+        let slip = mean(&self.slip.iter().map(|u| u * u).collect::<Vec<_>>()).sqrt();
+        let share = force / mean(&self.normal).max(f64::MIN_POSITIVE);
+        [share, share / slip.max(f64::MIN_POSITIVE)]
+    }
 }
 
 /// Recovered contacts of periodic runs, line by line, and of the others, bin by bin.
@@ -209,6 +218,13 @@ pub(crate) struct Contacts {
 }
 
 impl Contacts {
+    /// Friction coefficient and presliding stiffness (1/m) by their sizes: the largest RMS of `F/N`, where the contact slides most,
+    /// and of `F/(N u)`, where it sticks most. `None` without periodic runs.
+    pub fn sizes(&self) -> Option<[f64; 2]> {
+        let larger = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a.max(c), b.max(d)];
+        self.periodic.iter().map(Recovered::sizes).reduce(larger).filter(|s| s.iter().all(|x| x.is_normal()))
+    }
+
     /// What is quick to march: the periodic runs, where there are any.
     pub fn quick(&self) -> Self {
         let series = if self.periodic.is_empty() { self.series.clone() } else { Vec::new() };

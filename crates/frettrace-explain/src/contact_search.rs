@@ -20,6 +20,8 @@ const LOOKS_OF_ONE: usize = 3;
 const AGAIN: usize = 4;
 /// Steps from each of them, before the best get all.
 const BEGIN: usize = 8;
+/// Other starts of the declared law that get all.
+const ENDED: usize = 2;
 
 /// A law on recovered contacts, with what it costs.
 #[derive(Clone)]
@@ -49,13 +51,24 @@ pub(crate) fn few_of_each(order: &mut Vec<(f64, usize)>, effect: impl Fn(usize) 
     });
 }
 
-/// Other starts of a law: Stribeck velocities, breakaways and dampings of other sizes.
-fn starts(law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ModifiedLaw<f64>> {
+/// Other starts of a law: Stribeck velocities, breakaways and dampings of other sizes. Friction coefficient and stiffness are
+/// those that the recovered contacts show: a law that ended poorly may have any.
+fn starts(
+    law: &ModifiedLaw<f64>,
+    scales: &Scales,
+    (recovered, rigid): (&Contacts, bool),
+) -> Vec<ModifiedLaw<f64>> {
+    let own = [Hook::MuKinetic, Hook::Sigma0].map(|hook| law.get(hook).unwrap_or(0.3));
+    let [mu, sigma0] = recovered.sizes().unwrap_or(own);
+    let mut law = *law;
+    law.set(Hook::MuKinetic, mu);
+    if !rigid {
+        law.set(Hook::Sigma0, sigma0);
+    }
     let mut out = Vec::new();
     for speed in [0.1, 0.4] {
         for breakaway in [0.15, 0.6] {
-            let mut other = *law;
-            let mu = law.get(Hook::MuKinetic).unwrap_or(0.3);
+            let mut other = law;
             let sizes = [
                 (Hook::StribeckVelocity, speed * scales.velocity),
                 (Hook::DampingVelocity, speed * scales.velocity),
@@ -107,13 +120,17 @@ impl Study<'_> {
         }
         // A law of many values has several minima: other starts, where the first end is poor, and the best of them goes on.
         let quick = recovered.quick();
-        let begun: Vec<ContactCandidate> = starts(&setting.law, &self.scales)
+        let mut begun: Vec<ContactCandidate> = starts(&setting.law, &self.scales, (recovered, setting.rigid))
             .into_par_iter()
             .filter_map(|law| fitted(&quick, &Setting { law, ..setting.clone() }, BEGIN))
             .collect();
-        let best = begun.into_iter().min_by(|a, b| a.criterion.total_cmp(&b.criterion));
-        let other = best.and_then(|c| fitted(recovered, &Setting { law: c.law, ..setting.clone() }, 20));
-        other.into_iter().chain([first]).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
+        begun.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        begun.truncate(ENDED);
+        let ended = begun
+            .into_par_iter()
+            .filter_map(|c| fitted(recovered, &Setting { law: c.law, ..setting.clone() }, 30));
+        let ended: Vec<ContactCandidate> = ended.collect();
+        ended.into_iter().chain([first]).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
     }
 
     fn contact_candidate(
@@ -160,13 +177,14 @@ impl Study<'_> {
         })
     }
 
-    /// Every effect of the contact on the recovered contacts, best first, one form each.
+    /// Every effect of the contact on the recovered contacts, best first, one form each; `reduced` is the χ² per residual that the
+    /// law of the setting leaves there.
     pub(crate) fn contact_candidates(
         &self,
         recovered: &Contacts,
         setting: &Setting,
         law_unknowns: &[Unknown],
-        taken: &[usize],
+        (taken, reduced): (&[usize], f64),
     ) -> Vec<ContactCandidate> {
         let forms: Vec<(usize, ContactForm)> = ALL
             .iter()
@@ -176,22 +194,35 @@ impl Study<'_> {
                 effect.contact_forms(&setting.law, &self.scales).into_iter().map(move |form| (index, form))
             })
             .collect();
-        let tried = |recovered: &Contacts, (index, form): &(usize, ContactForm), most: usize| {
-            self.contact_candidate(recovered, setting, law_unknowns, (*index, form), most)
+        let tried = |recovered: &Contacts,
+                     (index, form): &(usize, ContactForm),
+                     (law, most): (ModifiedLaw<f64>, usize)| {
+            let setting = Setting { law, ..setting.clone() };
+            self.contact_candidate(recovered, &setting, law_unknowns, (*index, form), most)
         };
-        // A few steps for every form on what is quick to march, all steps on everything for the best.
+        // A few steps for every form on what is quick to march, all steps on everything for the best. A law that misses the
+        // contacts by far may be bent too much to show what it lacks: others stand beside it.
         let quick = recovered.quick();
-        let mut order: Vec<(f64, usize)> = forms
+        let mut laws = vec![setting.law];
+        if reduced > POOR && law_unknowns.len() > 2 {
+            laws.extend(starts(&setting.law, &self.scales, (recovered, setting.rigid)));
+        }
+        let pairs: Vec<(usize, ModifiedLaw<f64>)> =
+            laws.iter().flat_map(|law| (0..forms.len()).map(|k| (k, *law))).collect();
+        let mut order: Vec<(f64, usize)> = pairs
             .par_iter()
             .enumerate()
-            .filter_map(|(k, form)| tried(&quick, form, GLANCE).map(|c| (c.criterion, k)))
+            .filter_map(|(pair, &(k, law))| Some((tried(&quick, &forms[k], (law, GLANCE))?.criterion, pair)))
             .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        few_of_each(&mut order, |k| forms[k].0);
+        few_of_each(&mut order, |pair| forms[pairs[pair].0].0);
         let mut looked: Vec<(ContactCandidate, usize)> = order
             .par_iter()
             .take(LOOK)
-            .filter_map(|(_, k)| Some((tried(recovered, &forms[*k], 30)?, *k)))
+            .filter_map(|&(_, pair)| {
+                let (k, law) = pairs[pair];
+                Some((tried(recovered, &forms[k], (law, 30))?, k))
+            })
             .collect();
         looked.sort_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
         let again = if looked.first().is_some_and(|(c, _)| c.reduced > POOR) && law_unknowns.len() > 2 {
@@ -227,7 +258,7 @@ impl Study<'_> {
         looked: &[(ContactCandidate, usize)],
         forms: &[(usize, ContactForm)],
     ) -> Vec<ContactCandidate> {
-        let others = starts(&setting.law, &self.scales);
+        let others = starts(&setting.law, &self.scales, (recovered, setting.rigid));
         let candidate = |recovered: &Contacts, k: usize, law: ModifiedLaw<f64>, most: usize| {
             let (index, form) = &forms[k];
             let setting = Setting { law, ..setting.clone() };

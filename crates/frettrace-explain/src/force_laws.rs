@@ -13,8 +13,9 @@ const LINES: usize = 48;
 const RELATIVE_ACCURACY: f64 = 5e-4;
 /// Thresholds tried between nothing and the largest motion.
 const THRESHOLDS: usize = 24;
-/// Powers of the velocity that are tried, and what each is above the one before.
-const POWERS: (f64, f64) = (0.4, 0.15);
+/// Powers of the velocity that are nearer to its square than to the velocity itself or its cube: with a power of 1 damping is
+/// viscous, whatever its name.
+const POWERS: (f64, f64) = (1.5, 2.5);
 
 /// A law that a force may follow.
 pub(crate) struct Shape {
@@ -117,6 +118,15 @@ pub(crate) struct History {
 impl History {
     /// Motion and force of the last port of a balance with free ports; `None` where it has none.
     pub fn new(balance: &Balance, omega: f64) -> Option<Self> {
+        Self::along(balance, omega, |_| 1.0)
+    }
+
+    /// The same with the acceleration in the place of the displacement.
+    pub fn inertial(balance: &Balance, omega: f64) -> Option<Self> {
+        Self::along(balance, omega, |h| -(h as f64 * omega).powi(2))
+    }
+
+    fn along(balance: &Balance, omega: f64, factor: impl Fn(usize) -> f64) -> Option<Self> {
         let (force, std) = (balance.beside.last()?, balance.beside_deviation.last()?);
         let (motion, gain) = (balance.motion.last()?, balance.motion_gain.last()?);
         let order = force.len().saturating_sub(1).min(LINES);
@@ -128,7 +138,7 @@ impl History {
             grid.evaluate(&lines, &mut out, &mut scratch);
             out
         };
-        let displacement = sampled(&|h| motion[h]);
+        let displacement = sampled(&|h| motion[h] * factor(h));
         let velocity = sampled(&|h| motion[h] * Complex64::new(0.0, h as f64 * omega));
         let peak = force.iter().map(|f| f.norm()).fold(0.0, f64::max);
         let widest = motion.iter().map(|d| d.norm()).fold(0.0, f64::max);
@@ -208,27 +218,73 @@ pub(crate) struct Answer {
     pub coefficients: [f64; COEFFICIENTS],
 }
 
+/// χ² of a force that is linear in motion and velocity, whatever the signs.
+pub(crate) fn linear(histories: &[History]) -> f64 {
+    let shape = Shape { id: "", law: PortLaw::Polynomial, free: &[0, 1], linear: &[0, 1], side: 0.0 };
+    solve(histories, &shape, (0.0, 0.0), shape.linear).map_or(f64::INFINITY, |answer| answer.chi)
+}
+
+/// Largest size of a motion.
+fn largest(histories: &[History], of: impl Fn(&History) -> &Vec<f64>) -> f64 {
+    histories.iter().flat_map(|h| of(h).iter()).fold(0.0, |m: f64, x| m.max(x.abs()))
+}
+
+/// Range of the second coefficient of a law in which the law is what its name says.
+pub(crate) fn thresholds(histories: &[History], law: PortLaw) -> (f64, f64) {
+    match law {
+        PortLaw::Yielding => {
+            // A spring that yields in every run is a linear one: half of them must be left to show the cube. One that does not
+            // yield below three times the motion is a cubic one.
+            let mut peaks: Vec<f64> =
+                histories.iter().map(|h| largest(std::slice::from_ref(h), |h| &h.displacement)).collect();
+            peaks.sort_by(f64::total_cmp);
+            let middle = peaks.get(peaks.len() / 2).copied().unwrap_or_default();
+            (middle, 3.0 * largest(histories, |h| &h.displacement))
+        }
+        PortLaw::Power => POWERS,
+        PortLaw::Friction => {
+            // Friction that never reaches its level is viscous.
+            let fastest = largest(histories, |h| &h.velocity);
+            (1e-2 * fastest, fastest)
+        }
+        PortLaw::Gap => (0.0, f64::INFINITY),
+        _ => (f64::NEG_INFINITY, f64::INFINITY),
+    }
+}
+
+/// Range of a coefficient: nothing gives energy away or pulls where it should carry.
+pub(crate) fn range(law: PortLaw, coefficient: usize, thresholds: (f64, f64)) -> (f64, f64) {
+    let positive = dissipates(law, coefficient) || carries(law, coefficient);
+    let second = [PortLaw::Yielding, PortLaw::Power, PortLaw::Friction, PortLaw::Gap].contains(&law);
+    match coefficient {
+        1 if second => thresholds,
+        _ if positive => (0.0, f64::INFINITY),
+        _ => (f64::NEG_INFINITY, f64::INFINITY),
+    }
+}
+
 /// Coefficients of a law on recovered histories; `None` where it cannot be fitted.
 pub(crate) fn regress(histories: &[History], shape: &Shape) -> Option<Answer> {
-    let widest = |of: &dyn Fn(&History) -> &Vec<f64>| {
-        histories.iter().flat_map(|h| of(h).iter()).fold(0.0, |m: f64, x| m.max(x.abs()))
-    };
     let reach = match shape.law {
-        PortLaw::Gap | PortLaw::Stop | PortLaw::Round => widest(&|h| &h.displacement),
-        // A spring that does not yield below three times the motion is a cubic one.
-        PortLaw::Yielding => 3.0 * widest(&|h| &h.displacement),
-        PortLaw::Friction | PortLaw::Power => widest(&|h| &h.velocity),
+        PortLaw::Gap | PortLaw::Stop | PortLaw::Round | PortLaw::Yielding => {
+            largest(histories, |h| &h.displacement)
+        }
+        PortLaw::Friction | PortLaw::Power => largest(histories, |h| &h.velocity),
         _ => return linear_fit(histories, shape, (0.0, 0.0)),
     };
     // A threshold by scan over a ladder of sizes, then by golden section between the neighbours of the best.
-    let mut ladder: Vec<f64> = (0..THRESHOLDS).map(|k| reach * 0.97 * (0.82_f64).powi(k as i32)).collect();
-    if matches!(shape.law, PortLaw::Stop | PortLaw::Round) {
+    let falling = |top: f64| (0..THRESHOLDS).map(move |k| top * 0.97 * (0.82_f64).powi(k as i32));
+    let ladder: Vec<f64> = match (shape.law, thresholds(histories, shape.law)) {
         // A stop may be pressed on at rest.
-        ladder.extend((0..THRESHOLDS).rev().map(|k| -reach * 0.97 * (0.82_f64).powi(k as i32)));
-    }
-    if shape.law == PortLaw::Power {
-        ladder = (0..THRESHOLDS).rev().map(|k| POWERS.0 + POWERS.1 * k as f64).collect();
-    }
+        (PortLaw::Stop | PortLaw::Round, _) => {
+            falling(reach).chain(falling(-reach).collect::<Vec<_>>().into_iter().rev()).collect()
+        }
+        (PortLaw::Gap, _) => falling(reach).collect(),
+        (_, (low, high)) => {
+            let share = |k: usize| k as f64 / (THRESHOLDS - 1) as f64;
+            (0..THRESHOLDS).map(|k| high * (low / high).powf(share(k))).collect()
+        }
+    };
     let chi = |c: f64| linear_fit(histories, shape, (c, reach)).map_or(f64::INFINITY, |a| a.chi);
     let values: Vec<f64> = ladder.iter().map(|&c| chi(c)).collect();
     let best = (0..ladder.len()).min_by(|&a, &b| values[a].total_cmp(&values[b]))?;

@@ -128,41 +128,23 @@ impl Study<'_> {
         Ok(found)
     }
 
-    /// The same model without what its last effect brought to the law, fitted again; `None` where that effect is not of the
-    /// law.
-    pub(crate) fn without_last(&self, from: &Explained, before: &Explained) -> Option<Explained> {
-        let brought = from.added.iter().filter(|u| !before.added.iter().any(|b| b.quantity == u.quantity));
-        let mut reduced = from.clone();
-        for unknown in brought {
-            let Quantity::Law(hook) = unknown.quantity else { continue };
-            if self.case.unknowns().iter().any(|u| u.quantity == unknown.quantity) {
-                continue;
-            }
-            reduced.fitted.setting.law.clear(hook);
-        }
-        reduced.added = before.added.clone();
-        reduced.effects.pop();
-        reduced.sensors.pop();
-        reduced.counts.pop();
-        let of_law = from.fitted.setting.ports.len() == before.fitted.setting.ports.len();
-        if of_law { self.polished(&reduced).ok() } else { None }
-    }
-
-    /// A model of two effects without what the first one brought to the law, fitted again; `None` where that is not of the law.
-    pub(crate) fn without_first(&self, from: &Explained) -> Option<Explained> {
+    /// The same model without its effect of the given place in the list, fitted again; `None` where that is not of the law.
+    pub(crate) fn without(&self, from: &Explained, place: usize) -> Option<Explained> {
         let declared = self.case.unknowns();
+        let others = |k: &usize| *k != place;
+        let added: Vec<Unknown> =
+            (0..from.effects.len()).filter(others).flat_map(|k| from.own(k).to_vec()).collect();
         let mut reduced = from.clone();
-        for unknown in from.own(0) {
+        for unknown in from.own(place) {
             let Quantity::Law(hook) = unknown.quantity else { return None };
-            let kept = from.own(1).iter().chain(&declared).any(|u| u.quantity == unknown.quantity);
-            if !kept {
+            if !added.iter().chain(&declared).any(|u| u.quantity == unknown.quantity) {
                 reduced.fitted.setting.law.clear(hook);
             }
         }
-        reduced.added = from.own(1).to_vec();
-        reduced.effects.remove(0);
-        reduced.sensors.remove(0);
-        reduced.counts.remove(0);
+        reduced.added = added;
+        reduced.effects.remove(place);
+        reduced.sensors.remove(place);
+        reduced.counts.remove(place);
         self.polished(&reduced).ok()
     }
 

@@ -65,7 +65,7 @@ impl Study<'_> {
             }
             let port =
                 Port { place: promise.place, law: PortLaw::Polynomial, coefficients: promise.coefficients };
-            let form = self.form(&current.fitted.setting, port, promise.free);
+            let form = self.form(&current.fitted.setting, port, (promise.free, FREE));
             let left = current.fitted.fit.cost - promise.gain;
             found.push(BalanceCandidate {
                 effect: promise.effect,

@@ -5,7 +5,7 @@
 
 use crate::balance_fit::BalanceCandidate;
 use crate::effects::{ALL, EffectPlace, FREE, StructureForm};
-use crate::force_laws::{Answer, History, driven, names, regress, shapes};
+use crate::force_laws::{Answer, History, driven, linear, names, range, regress, shapes, thresholds};
 use crate::{Study, Unknown, signed};
 use frettrace_forward::accelerations::{Balance, Beside, Port, PortLaw, PortPlace, Quantity, Setting};
 use num_complex::Complex64;
@@ -111,10 +111,12 @@ impl Study<'_> {
             self.training.iter().copied().filter(|&run| self.case.records[run].subharmonic == 1).collect();
         let single = with_only(setting, located.place);
         let balances = self.model.balance_beside(&single, &harmonic, Beside::Ports).ok()?;
-        let histories: Option<Vec<History>> = (harmonic.iter().zip(&balances))
-            .map(|(&run, balance)| History::new(balance, self.model.runs[run].omega))
-            .collect();
-        let histories = histories?;
+        let histories = |of: fn(&Balance, f64) -> Option<History>| -> Option<Vec<History>> {
+            let runs = harmonic.iter().zip(&balances);
+            runs.map(|(&run, balance)| of(balance, self.model.runs[run].omega)).collect()
+        };
+        let inertial = histories(History::inertial)?;
+        let histories = histories(History::new)?;
         if histories.len() < DEAF_RUNS {
             return None;
         }
@@ -123,6 +125,8 @@ impl Study<'_> {
             .iter()
             .filter_map(|shape| regress(&histories, shape))
             .map(|answer| answer.chi)
+            // A spring or a mass of the structure, too much of it or too little.
+            .chain([linear(&histories), linear(&inertial)])
             .fold(f64::INFINITY, f64::min);
         let all: f64 = histories.iter().map(History::chi).sum();
         let left = driven(&histories, &drives);
@@ -238,7 +242,7 @@ impl Study<'_> {
             .filter_map(|shape| regress(&histories, &shape).map(|answer| (shape, answer)))
             .map(|(shape, Answer { chi, coefficients })| {
                 let port = Port { place: located.place, law: shape.law, coefficients };
-                let form = self.form(setting, port, shape.free);
+                let form = self.form(setting, port, (shape.free, thresholds(&histories, shape.law)));
                 let freedom = located.freedom + histories.iter().map(History::count).sum::<usize>();
                 BalanceCandidate {
                     effect: ALL.iter().position(|e| e.id() == shape.id).unwrap_or_default(),
@@ -253,7 +257,12 @@ impl Study<'_> {
     }
 
     /// A port with its unknowns in the model.
-    pub(crate) fn form(&self, setting: &Setting, port: Port, free: &[usize]) -> StructureForm {
+    pub(crate) fn form(
+        &self,
+        setting: &Setting,
+        port: Port,
+        (free, thresholds): (&[usize], (f64, f64)),
+    ) -> StructureForm {
         let mut setting = setting.clone();
         setting.ports.push(port);
         let index = setting.ports.len() - 1;
@@ -263,9 +272,7 @@ impl Study<'_> {
             .map(|&k| {
                 let value = port.coefficients[k];
                 let (name, unit) = names(port.law, modal)[k];
-                let positive = [PortLaw::Gap, PortLaw::Friction, PortLaw::Yielding, PortLaw::Power];
-                let threshold = positive.contains(&port.law) && k == 1;
-                let bounds = if threshold { (0.0, f64::INFINITY) } else { FREE };
+                let bounds = range(port.law, k, thresholds);
                 signed(Quantity::Port(index, k), (name, unit), 0.1 * value.abs().max(1e-30), bounds)
             })
             .collect();

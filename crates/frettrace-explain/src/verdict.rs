@@ -22,6 +22,8 @@ const PROXY: f64 = 0.4;
 const NEAR: f64 = 6.0;
 /// … and so is one that leaves no more than this share of the excess before it.
 const MOST_TAKEN: f64 = 0.05;
+/// Share of the excess that a finer grid must take it to, to be kept.
+const FINER: f64 = 0.7;
 /// Relative error of the recovered force of a run without a period from which the law is in doubt: five times the accuracy
 /// with which such a force is recovered.
 const SERIES_OPEN: f64 = 0.05;
@@ -73,7 +75,15 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
     }
     search.before = search.errors_as_read(&baseline);
     let done = baseline.complete() && !search.series_open(&baseline);
-    let model = if done { baseline.clone() } else { search.close(&baseline)? };
+    let mut model = if done { baseline.clone() } else { search.close(&baseline)? };
+    if let Some(better) = search.rebased(&baseline, &model) {
+        if better.complete() {
+            model = better.clone();
+            search.rivals.clear();
+        }
+        baseline = better;
+        search.before = search.errors_as_read(&baseline);
+    }
     let model = search.with_lift_off(model);
     Ok(search.outcome(baseline, model))
 }
@@ -212,7 +222,8 @@ impl Search<'_> {
                     }
                 }
             } else {
-                self.structure_round(&current, f64::INFINITY)?
+                let found = self.structure_round(&current, f64::INFINITY)?;
+                self.hidden_round(&current, found)?
             };
             let mut better = match found {
                 Some(better)
@@ -241,7 +252,7 @@ impl Search<'_> {
                 *single = Some((current.clone(), self.rivals.clone()));
             }
             if current.complete() && current.effects.len() > 1 {
-                current = self.pruned(current, &before);
+                current = self.pruned(current);
                 if current.effects.len() == before.effects.len() {
                     self.rivals = rivals;
                 }
@@ -303,7 +314,7 @@ impl Search<'_> {
         }
         let Ok(study) = self.study.refined() else { return current };
         match study.polished(&current) {
-            Ok(better) if better.excess() < 0.7 * current.excess() => {
+            Ok(better) if better.excess() < FINER * current.excess() => {
                 self.coarse = Some(std::mem::replace(&mut self.study, study));
                 self.refined = true;
                 better
@@ -347,18 +358,22 @@ impl Search<'_> {
         as_declared(&model.fitted.setting) && self.series_error(model) > SERIES_OPEN
     }
 
-    /// Without the last effect, or without the first of two, where the model is complete without it too: a first effect may have
-    /// stood in for the second.
-    fn pruned(&self, current: Explained, before: &Explained) -> Explained {
-        let shorter = |plain: Option<Explained>| {
-            plain.filter(|plain| plain.complete() && plain.criterion < current.criterion + EVIDENCE)
-        };
-        if let Some(plain) = shorter(self.study.without_last(&current, before)) {
-            return plain;
+    /// The declared model from the law of the one that explains, where that ends far better than it did: it had come to rest in
+    /// another valley, and the effect stands in for that.
+    fn rebased(&self, baseline: &Explained, model: &Explained) -> Option<Explained> {
+        if model.effects.len() != 1 {
+            return None;
         }
-        let two = current.effects.len() == 2;
-        let last = if two { shorter(self.study.without_first(&current)) } else { None };
-        last.unwrap_or(current)
+        let plain = self.study.without(model, 0)?;
+        (plain.criterion + EVIDENCE < baseline.criterion).then_some(plain)
+    }
+
+    /// Without one of its effects where the model is complete without it too, however little that costs: nothing is left above the
+    /// noise that a second name could stand for, and a first effect may have stood in for the second.
+    fn pruned(&self, current: Explained) -> Explained {
+        let shorter = (0..current.effects.len()).filter_map(|place| self.study.without(&current, place));
+        let complete = shorter.filter(Explained::complete);
+        complete.min_by(|a, b| a.criterion.total_cmp(&b.criterion)).unwrap_or(current)
     }
 }
 

@@ -1,6 +1,6 @@
 //! `excitation.preload-modulation`.
 //!
-//! *Adds*: a preload that varies with the excitation or its second harmonic.
+//! *Adds*: a preload that varies with the excitation or its second harmonic, as a sine or as a steeper wave `tanh(κ cos ψ)/tanh κ`.
 //!
 //! *Shows as*: friction that follows a normal force of its own.
 //!
@@ -34,13 +34,15 @@ impl Effect for ExcitationPreloadModulation {
         // The excitation's line, its double, and the lines below it where the base frequency is a fraction of it.
         (1..driven)
             .chain([driven, 2 * driven])
-            .map(|order| {
-                let mut form = ContactForm::new(vec![
+            .flat_map(|order| {
+                let sine = vec![
                     Change::linear(Hook::ModulationCosine, 0.02, 0.05, (-1.5, 1.5)),
                     Change::linear(Hook::ModulationSine, 0.02, 0.05, (-1.5, 1.5)),
-                ]);
-                form.modulation = order;
-                form
+                ];
+                // Another wave of the same phase: up to one that jumps from one level to the other.
+                let steep = Change::between(Hook::ModulationSteepness, 1.0, (0.05, 20.0));
+                let steep = sine.iter().cloned().chain([steep]).collect();
+                [sine, steep].map(|changes| ContactForm { changes, modulation: order })
             })
             .collect()
     }

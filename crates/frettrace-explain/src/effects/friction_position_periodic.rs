@@ -30,7 +30,8 @@ impl Effect for FrictionPositionPeriodic {
     }
 
     fn contact_forms(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
-        [0.3, 0.6, 1.0, 2.0, 4.0]
+        // Waves in the largest slip: neighbours are half a wave apart there, so that one of them is in the valley of the right one.
+        [0.3, 0.6, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0]
             .map(|waves| {
                 ContactForm::new(vec![
                     Change::linear(Hook::PeriodicCosine, 0.03, 0.05, (-0.9, 0.9)),

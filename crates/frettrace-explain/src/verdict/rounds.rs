@@ -1,14 +1,17 @@
 //! One effect more: rounds over the contact and over everything outside it.
 
-use super::{BALANCE_CALIBRATED, EVIDENCE, PROXY, Rival, Search, Tried, is_law};
+use super::{BALANCE_CALIBRATED, EVIDENCE, FINER, NEAR, PROXY, Rival, Search, Tried, is_law};
 use crate::balance_fit::BalanceCandidate;
 use crate::effects::ALL;
 use crate::search::Explained;
 use crate::study::merge;
-use crate::{ExplainError, Unknown};
+use crate::{ExplainError, Study, Unknown};
 use frettrace_forward::accelerations::Setting;
 use frettrace_friction::effects::Hook;
+use rayon::prelude::*;
 
+/// Excess over the best one's up to which a model that is not fitted to its end may still overtake it.
+const CLOSE: f64 = 4.0;
 /// χ² per residual on the recovered contacts below which a law is one that the contact may have.
 const FITS: f64 = 4.0;
 
@@ -50,7 +53,9 @@ impl Search<'_> {
         if let Some(base) = &base {
             setting.law = base.law;
         }
-        let candidates = self.study.contact_candidates(&recovered, &setting, &law, &current.effects);
+        let reduced = base.as_ref().map_or(f64::INFINITY, |base| base.reduced);
+        let taken = (&current.effects[..], reduced);
+        let candidates = self.study.contact_candidates(&recovered, &setting, &law, taken);
         self.tried.extend(candidates.iter().map(|c| Tried {
             id: ALL[c.effect].id(),
             error: f64::NAN,
@@ -64,6 +69,7 @@ impl Search<'_> {
     fn take_best(&mut self, current: &Explained, mut found: Vec<Explained>) -> Option<Explained> {
         found.iter_mut().for_each(|one| one.book(current));
         found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        self.settle_close(&mut found);
         for one in &found {
             let Some(&effect) = one.effects.last() else { continue };
             let error = self.study.error(&one.fitted, &self.study.training).relative();
@@ -106,6 +112,45 @@ impl Search<'_> {
         let runs = self.study.training.iter().map(|&run| &self.study.model.runs[run]);
         let step = runs.map(|run| std::f64::consts::TAU / run.omega / run.samples as f64);
         longest > 0.0 && longest < step.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Fits all that come near the best to their end where the best is not complete, on the finer grid too if that is what they
+    /// lack: who is ahead halfway need not win.
+    fn settle_close(&mut self, found: &mut Vec<Explained>) {
+        let Some(first) = found.first().filter(|first| !first.complete()) else { return };
+        let reach = CLOSE * first.excess();
+        let close = found.iter().filter(|one| one.excess() < reach).count();
+        if close < 2 {
+            return;
+        }
+        found.sort_by(|a, b| a.excess().total_cmp(&b.excess()));
+        let ended = |study: &Study<'_>, found: &[Explained]| -> Vec<Explained> {
+            found
+                .par_iter()
+                .take(close)
+                .map(|one| study.polished(one).unwrap_or_else(|_| one.clone()))
+                .collect()
+        };
+        let polished = ended(&self.study, found);
+        for (one, better) in found.iter_mut().zip(polished) {
+            if better.criterion < one.criterion {
+                *one = better;
+            }
+        }
+        let least = |of: &[Explained]| of.iter().map(Explained::excess).fold(f64::INFINITY, f64::min);
+        if !self.refined
+            && !found.iter().any(Explained::complete)
+            && least(found) < NEAR * NEAR
+            && let Ok(study) = self.study.refined()
+        {
+            let finer = ended(&study, found);
+            if least(&finer) < FINER * least(found) {
+                self.coarse = Some(std::mem::replace(&mut self.study, study));
+                self.refined = true;
+                *found = finer;
+            }
+        }
+        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
     }
 
     /// Fits a simpler effect to its end where a richer one that contains it is complete and ahead: it may be so by its longer way.
