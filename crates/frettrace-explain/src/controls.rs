@@ -3,15 +3,16 @@
 //! *Surrogates*: the declared model at its fit, `y = ŷ(θ) + ε` with `ε` drawn anew on every line at its standard deviation. An
 //! effect named there is a false alarm.
 //!
-//! *Left out*: the data as they are, with the named effects taken out of the list. Right is `unexplained`, or a name that was
-//! said to be indistinguishable.
+//! *Left out*: the data as they are, with the named effects taken out of the list. Right is `unexplained`, or a name that the
+//! effect is known to be mistaken for: with the better one out of the way it may well be complete.
 //!
 //! *Injections*: the model with the named effects at full and at half size (each value that measures a size goes the stated
 //! share of the way from where it does nothing), with noise drawn anew. Right is the same names, or their class.
 //!
 //! Runs that are not periodic have no lines to draw, and channels no faults: both are left out of what is drawn.
 
-use crate::verdict::{Outcome, Place, Verdict, explain};
+use crate::effects::ALL;
+use crate::verdict::{Named, Outcome, Place, Verdict, explain};
 use crate::{Case, ExplainError, RunRecord, Unknown};
 use frettrace_forward::accelerations::{AccelerationModel, Memory, Prediction, Quantity, Setting};
 use frettrace_friction::effects::Hook;
@@ -100,7 +101,12 @@ impl Control {
         let right = match question {
             Question::Surrogate => named.is_empty(),
             Question::LeftOut => {
-                named.iter().all(|id| of_class(id)) && found.verdict != Verdict::NothingMissing
+                let mistaken = |id: &str| {
+                    let effect = |e: &Named| ALL.iter().find(|effect| effect.id() == e.id);
+                    outcome.effects.iter().filter_map(effect).any(|e| e.rivals().contains(&id))
+                };
+                named.iter().all(|id| of_class(id) || mistaken(id))
+                    && found.verdict != Verdict::NothingMissing
             }
             Question::Injection(_) => {
                 named.len() == outcome.effects.len() && named.iter().all(|id| of_class(id))
@@ -189,7 +195,7 @@ fn nothing(quantity: Quantity, declared: &Setting, added: &[Unknown]) -> Option<
 
 #[cfg(test)]
 mod tests {
-    use crate::effects::ALL;
+    use super::ALL;
 
     /// Every hook that an effect brings either has a size or is brought with one that has.
     #[test]
