@@ -157,40 +157,93 @@ fn period(run: &RunSamples<'_>) -> usize {
     (run.sampling_rate / run.excitation_frequency).round().max(1.0) as usize
 }
 
-/// Offsets: line 0 of a channel off by the same amount in all runs, taken out of the lines.
+/// Offsets: line 0 of a channel off in all runs, by the same amount or by one that drifts from the first run to the last, taken out
+/// of the lines. A vibration that lasts has no mean acceleration.
 fn offsets(records: &mut [RunRecord]) -> Vec<ChannelFault> {
     let sensors = records.first().map_or(0, |r| r.power.len());
     let mut faults = Vec::new();
     for sensor in 0..sensors {
-        // Line 0 and its deviation in each run; the scatter between runs counts where it is larger.
-        let seen: Vec<(f64, f64)> = records
+        let seen: Vec<Mean> = records
             .iter()
             .filter(|r| r.periodic && r.clipped[sensor].is_none())
-            .map(|r| {
-                (r.lines.acceleration[sensor][0].re, r.lines.deviation[sensor][0].max(f64::MIN_POSITIVE))
+            .map(|r| Mean {
+                value: r.lines.acceleration[sensor][0].re,
+                deviation: r.lines.deviation[sensor][0].max(f64::MIN_POSITIVE),
+                progress: r.lines.progress,
             })
             .collect();
-        if seen.len() < 2 {
-            continue;
-        }
-        let weights: f64 = seen.iter().map(|(_, d)| d.powi(-2)).sum();
-        let mean = seen.iter().map(|(m, d)| m * d.powi(-2)).sum::<f64>() / weights;
-        let scatter =
-            seen.iter().map(|(m, d)| ((m - mean) / d).powi(2)).sum::<f64>() / (seen.len() - 1) as f64;
-        let deviation = weights.sqrt().recip() * scatter.max(1.0).sqrt();
-        if mean.abs() < OFFSET_CLAIM * deviation {
-            continue;
-        }
+        let claims = |offset: &Offset| offset.claim() >= OFFSET_CLAIM;
+        let constant = Offset::of(&seen, false).filter(claims);
+        let drifting = Offset::of(&seen, true).filter(|offset| offset.drifts());
+        let Some(offset) = drifting.or(constant) else { continue };
         for record in records.iter_mut() {
-            record.lines.acceleration[sensor][0].re -= mean;
-            record.excess[sensor] += mean * mean;
+            let off = offset.at(record.lines.progress);
+            record.lines.acceleration[sensor][0].re -= off;
+            record.excess[sensor] += off * off;
         }
-        faults.push(ChannelFault {
-            id: "measurement.offset",
-            sensor,
-            parameters: vec![("offset".into(), "m/s^2".into(), mean, deviation)],
-            evidence: (mean / deviation).powi(2),
-        });
+        let [start, slope] = offset.values;
+        let named = |name: &str, (value, std): (f64, f64)| (name.into(), "m/s^2".into(), value, std);
+        let mut parameters = vec![named("offset", start)];
+        if slope.0 != 0.0 {
+            parameters.push(named("offset_drift", slope));
+        }
+        let evidence = offset.claim().powi(2);
+        faults.push(ChannelFault { id: "measurement.offset", sensor, parameters, evidence });
     }
     faults
+}
+
+/// Mean of a channel in a run at its place between the first (0) and the last (1).
+struct Mean {
+    value: f64,
+    deviation: f64,
+    progress: f64,
+}
+
+/// `a + b p` over the runs, each with its standard deviation; `b = 0` where it does not drift.
+struct Offset {
+    values: [(f64, f64); 2],
+}
+
+impl Offset {
+    /// Weighted least squares; the scatter between runs counts where it is larger than the deviations. `None` where there are too few
+    /// runs, or they stand at one place.
+    fn of(seen: &[Mean], drifting: bool) -> Option<Self> {
+        let width = 1 + usize::from(drifting);
+        if seen.len() < 2 * width {
+            return None;
+        }
+        let sum = |of: &dyn Fn(&Mean) -> f64| seen.iter().map(|m| of(m) * m.deviation.powi(-2)).sum::<f64>();
+        let (w, wp, wpp) = (sum(&|_| 1.0), sum(&|m| m.progress), sum(&|m| m.progress * m.progress));
+        let (wy, wpy) = (sum(&|m| m.value), sum(&|m| m.progress * m.value));
+        let determinant = w * wpp - wp * wp;
+        if drifting && determinant <= 1e-9 * w * wpp {
+            return None;
+        }
+        let (start, slope, variances) = if drifting {
+            let values = ((wpp * wy - wp * wpy) / determinant, (w * wpy - wp * wy) / determinant);
+            (values.0, values.1, [wpp / determinant, w / determinant])
+        } else {
+            (wy / w, 0.0, [w.recip(), 0.0])
+        };
+        let left = sum(&|m| (m.value - start - slope * m.progress).powi(2));
+        let scatter = (left / (seen.len() - width) as f64).max(1.0);
+        let [first, second] = variances.map(|variance| (variance * scatter).sqrt());
+        Some(Self { values: [(start, first), (slope, second)] })
+    }
+
+    fn at(&self, progress: f64) -> f64 {
+        self.values[0].0 + self.values[1].0 * progress
+    }
+
+    /// Standard errors by which the surer of its values differs from nothing.
+    fn claim(&self) -> f64 {
+        let errors = |(value, std): (f64, f64)| if value == 0.0 { 0.0 } else { value.abs() / std };
+        self.values.map(errors).into_iter().fold(0.0, f64::max)
+    }
+
+    fn drifts(&self) -> bool {
+        let (slope, std) = self.values[1];
+        slope.abs() >= OFFSET_CLAIM * std
+    }
 }

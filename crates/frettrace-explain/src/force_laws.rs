@@ -2,8 +2,11 @@
 
 use frettrace_forward::accelerations::{Balance, COEFFICIENTS, PortLaw, PortPlace};
 use frettrace_fourier::Grid;
-use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
+
+mod regression;
+
+pub(crate) use regression::{Answer, linear, range, regress, thresholds};
 
 /// Samples of a period on which laws of the force are tried.
 const SAMPLES: usize = 512;
@@ -11,12 +14,6 @@ const SAMPLES: usize = 512;
 const LINES: usize = 48;
 /// Relative accuracy of a recovered force: what is left of the structure's errors.
 const RELATIVE_ACCURACY: f64 = 5e-4;
-/// Thresholds tried between nothing and the largest motion.
-const THRESHOLDS: usize = 24;
-/// Powers of the velocity that are nearer to its square than to the velocity itself or its cube: with a power of 1 damping is
-/// viscous, whatever its name.
-const POWERS: (f64, f64) = (1.5, 2.5);
-
 /// A law that a force may follow.
 pub(crate) struct Shape {
     /// The effect it speaks for.
@@ -209,180 +206,6 @@ pub(crate) fn driven(histories: &[History], drives: &[Complex64]) -> f64 {
         (0..lines).map(of_line).sum::<f64>()
     };
     left(&|_| 1.0).min(left(&|drive| drive.norm()))
-}
-
-/// What a law makes of recovered forces.
-pub(crate) struct Answer {
-    /// χ² of recovered minus answered force.
-    pub chi: f64,
-    pub coefficients: [f64; COEFFICIENTS],
-}
-
-/// χ² of a force that is linear in motion and velocity, whatever the signs.
-pub(crate) fn linear(histories: &[History]) -> f64 {
-    let shape = Shape { id: "", law: PortLaw::Polynomial, free: &[0, 1], linear: &[0, 1], side: 0.0 };
-    solve(histories, &shape, (0.0, 0.0), shape.linear).map_or(f64::INFINITY, |answer| answer.chi)
-}
-
-/// Largest size of a motion.
-fn largest(histories: &[History], of: impl Fn(&History) -> &Vec<f64>) -> f64 {
-    histories.iter().flat_map(|h| of(h).iter()).fold(0.0, |m: f64, x| m.max(x.abs()))
-}
-
-/// Range of the second coefficient of a law in which the law is what its name says.
-pub(crate) fn thresholds(histories: &[History], law: PortLaw) -> (f64, f64) {
-    match law {
-        PortLaw::Yielding => {
-            // A spring that yields in every run is a linear one: half of them must be left to show the cube. One that does not
-            // yield below three times the motion is a cubic one.
-            let mut peaks: Vec<f64> =
-                histories.iter().map(|h| largest(std::slice::from_ref(h), |h| &h.displacement)).collect();
-            peaks.sort_by(f64::total_cmp);
-            let middle = peaks.get(peaks.len() / 2).copied().unwrap_or_default();
-            (middle, 3.0 * largest(histories, |h| &h.displacement))
-        }
-        PortLaw::Power => POWERS,
-        PortLaw::Friction => {
-            // Friction that never reaches its level is viscous.
-            let fastest = largest(histories, |h| &h.velocity);
-            (1e-2 * fastest, fastest)
-        }
-        PortLaw::Gap => (0.0, f64::INFINITY),
-        _ => (f64::NEG_INFINITY, f64::INFINITY),
-    }
-}
-
-/// Range of a coefficient: nothing gives energy away or pulls where it should carry.
-pub(crate) fn range(law: PortLaw, coefficient: usize, thresholds: (f64, f64)) -> (f64, f64) {
-    let positive = dissipates(law, coefficient) || carries(law, coefficient);
-    let second = [PortLaw::Yielding, PortLaw::Power, PortLaw::Friction, PortLaw::Gap].contains(&law);
-    match coefficient {
-        1 if second => thresholds,
-        _ if positive => (0.0, f64::INFINITY),
-        _ => (f64::NEG_INFINITY, f64::INFINITY),
-    }
-}
-
-/// Coefficients of a law on recovered histories; `None` where it cannot be fitted.
-pub(crate) fn regress(histories: &[History], shape: &Shape) -> Option<Answer> {
-    let reach = match shape.law {
-        PortLaw::Gap | PortLaw::Stop | PortLaw::Round | PortLaw::Yielding => {
-            largest(histories, |h| &h.displacement)
-        }
-        PortLaw::Friction | PortLaw::Power => largest(histories, |h| &h.velocity),
-        _ => return linear_fit(histories, shape, (0.0, 0.0)),
-    };
-    // A threshold by scan over a ladder of sizes, then by golden section between the neighbours of the best.
-    let falling = |top: f64| (0..THRESHOLDS).map(move |k| top * 0.97 * (0.82_f64).powi(k as i32));
-    let ladder: Vec<f64> = match (shape.law, thresholds(histories, shape.law)) {
-        // A stop may be pressed on at rest.
-        (PortLaw::Stop | PortLaw::Round, _) => {
-            falling(reach).chain(falling(-reach).collect::<Vec<_>>().into_iter().rev()).collect()
-        }
-        (PortLaw::Gap, _) => falling(reach).collect(),
-        (_, (low, high)) => {
-            let share = |k: usize| k as f64 / (THRESHOLDS - 1) as f64;
-            (0..THRESHOLDS).map(|k| high * (low / high).powf(share(k))).collect()
-        }
-    };
-    let chi = |c: f64| linear_fit(histories, shape, (c, reach)).map_or(f64::INFINITY, |a| a.chi);
-    let values: Vec<f64> = ladder.iter().map(|&c| chi(c)).collect();
-    let best = (0..ladder.len()).min_by(|&a, &b| values[a].total_cmp(&values[b]))?;
-    let (mut low, mut high) = (ladder[(best + 1).min(ladder.len() - 1)], ladder[best.saturating_sub(1)]);
-    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    for _ in 0..12 {
-        let (a, b) = (high - golden * (high - low), low + golden * (high - low));
-        if chi(a) < chi(b) {
-            high = b;
-        } else {
-            low = a;
-        }
-    }
-    let refined = linear_fit(histories, shape, (0.5 * (low + high), reach));
-    let plain = linear_fit(histories, shape, (ladder[best], reach));
-    [refined, plain].into_iter().flatten().min_by(|a, b| a.chi.total_cmp(&b.chi))
-}
-
-/// Whether a coefficient dissipates, so that it cannot be negative.
-fn dissipates(law: PortLaw, coefficient: usize) -> bool {
-    match law {
-        PortLaw::Polynomial => matches!(coefficient, 1 | 3),
-        PortLaw::Gap | PortLaw::Stop => coefficient == 2,
-        PortLaw::Friction | PortLaw::Power => coefficient == 0,
-        _ => false,
-    }
-}
-
-/// Whether a coefficient is the stiffness of a support, which cannot be negative.
-fn carries(law: PortLaw, coefficient: usize) -> bool {
-    match law {
-        PortLaw::Polynomial | PortLaw::Gap | PortLaw::Stop | PortLaw::Round => coefficient == 0,
-        PortLaw::Friction => coefficient == 2,
-        _ => false,
-    }
-}
-
-/// Linear coefficients by least squares at a threshold, none of them against physics: a negative dashpot is left out, a
-/// negative spring is no support.
-fn linear_fit(histories: &[History], shape: &Shape, threshold: (f64, f64)) -> Option<Answer> {
-    let mut linear = shape.linear.to_vec();
-    loop {
-        let found = solve(histories, shape, threshold, &linear)?;
-        let negative = linear.iter().position(|&k| dissipates(shape.law, k) && found.coefficients[k] < 0.0);
-        match negative {
-            Some(place) if linear.len() > 1 => drop(linear.remove(place)),
-            Some(_) => return None,
-            None if linear.iter().any(|&k| carries(shape.law, k) && found.coefficients[k] < 0.0) => {
-                return None;
-            }
-            None => return Some(found),
-        }
-    }
-}
-
-fn solve(
-    histories: &[History],
-    shape: &Shape,
-    (threshold, reach): (f64, f64),
-    linear: &[usize],
-) -> Option<Answer> {
-    let at = match shape.law {
-        PortLaw::Power => [1.0, threshold, reach, 0.0],
-        PortLaw::Polynomial | PortLaw::Stiffening | PortLaw::LiftOff => [0.0; COEFFICIENTS],
-        _ => [1.0, threshold, 0.0, shape.side],
-    };
-    let rows: usize = histories.iter().map(History::count).sum();
-    let width = linear.len();
-    let mut matrix = DMatrix::zeros(rows, width);
-    let mut right = DVector::zeros(rows);
-    let mut row = 0;
-    for history in histories {
-        let columns = history.columns(shape.law, &at, linear);
-        for (h, force) in history.force.iter().enumerate() {
-            right[row] = force.re;
-            right[row + 1] = force.im;
-            for (c, column) in columns.iter().enumerate() {
-                matrix[(row, c)] = column[h].re;
-                matrix[(row + 1, c)] = column[h].im;
-            }
-            row += 2;
-        }
-    }
-    let scale: Vec<f64> = (0..width).map(|c| matrix.column(c).norm()).collect();
-    if scale.iter().any(|s| !s.is_finite() || *s <= 0.0) {
-        return None;
-    }
-    for (c, s) in scale.iter().enumerate() {
-        matrix.column_mut(c).unscale_mut(*s);
-    }
-    let normal = matrix.transpose() * &matrix + DMatrix::from_diagonal_element(width, width, 1e-12);
-    let solution = normal.cholesky()?.solve(&(matrix.transpose() * &right));
-    let chi = (&right - &matrix * &solution).norm_squared();
-    let mut coefficients = at;
-    for (c, &k) in linear.iter().enumerate() {
-        coefficients[k] = solution[c] / scale[c];
-    }
-    Some(Answer { chi, coefficients })
 }
 
 #[cfg(test)]

@@ -223,7 +223,9 @@ impl Search<'_> {
                 }
             } else {
                 let found = self.structure_round(&current, f64::INFINITY)?;
-                self.hidden_round(&current, found)?
+                // A force that hides in the contact's leaves the balance all but closed.
+                let wide = self.study.balance_reduced(&current.fitted.setting).0 > BALANCE_WIDE;
+                if wide { found } else { self.hidden_round(&current, found)? }
             };
             let mut better = match found {
                 Some(better)

@@ -244,6 +244,21 @@ fn faults_of_channels_are_seen_in_their_samples() {
     assert!((value("measurement.dropout")[0].2 - 0.07).abs() < 4e-3);
 }
 
+/// An offset that grows from nothing at the first run to 0.3 m/s² at the last; its slope's standard error is below 1e-3 m/s².
+#[test]
+fn an_offset_may_drift() {
+    let rig = rig();
+    let mut measured = measured(&rig, &LEVELS);
+    for (k, record) in measured.iter_mut().enumerate() {
+        record.acceleration[2].iter_mut().for_each(|a| *a += 0.3 * k as f64 / 4.0);
+    }
+    let (_, faults) = records(&samples(&measured), Some(&[NOISE; 5])).unwrap();
+    let seen: Vec<(&str, usize)> = faults.iter().map(|f: &ChannelFault| (f.id, f.sensor)).collect();
+    assert_eq!(seen, [("measurement.offset", 2)]);
+    let values: Vec<f64> = faults[0].parameters.iter().map(|p| p.2).collect();
+    assert!(values[0].abs() < 5e-3 && (values[1] - 0.3).abs() < 1e-2, "{values:?}");
+}
+
 #[test]
 fn sound_channels_have_no_faults() {
     let measured = measured(&rig(), &LEVELS);

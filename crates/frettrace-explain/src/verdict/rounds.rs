@@ -125,16 +125,19 @@ impl Search<'_> {
         }
         found.sort_by(|a, b| a.excess().total_cmp(&b.excess()));
         let ended = |study: &Study<'_>, found: &[Explained]| -> Vec<Explained> {
-            found
-                .par_iter()
-                .take(close)
-                .map(|one| study.polished(one).unwrap_or_else(|_| one.clone()))
-                .collect()
+            found.par_iter().map(|one| study.polished(one).unwrap_or_else(|_| one.clone())).collect()
         };
-        let polished = ended(&self.study, found);
-        for (one, better) in found.iter_mut().zip(polished) {
-            if better.criterion < one.criterion {
-                *one = better;
+        // The others are asked where the best one's longer way does not end at the noise.
+        for part in [0..1, 1..close] {
+            let polished = ended(&self.study, &found[part.clone()]);
+            for (one, better) in found[part].iter_mut().zip(polished) {
+                if better.criterion < one.criterion {
+                    *one = better;
+                }
+            }
+            if found[0].complete() {
+                found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+                return;
             }
         }
         let least = |of: &[Explained]| of.iter().map(Explained::excess).fold(f64::INFINITY, f64::min);
@@ -143,7 +146,7 @@ impl Search<'_> {
             && least(found) < NEAR * NEAR
             && let Ok(study) = self.study.refined()
         {
-            let finer = ended(&study, found);
+            let finer = ended(&study, &found[..close]);
             if least(&finer) < FINER * least(found) {
                 self.coarse = Some(std::mem::replace(&mut self.study, study));
                 self.refined = true;
