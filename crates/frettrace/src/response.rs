@@ -10,7 +10,7 @@ use frettrace_forward::hb::{
 use frettrace_forward::march::Port;
 use frettrace_forward::simulate::{Attached, SimulatedLaw, SimulatedRig, Slip};
 use frettrace_friction::effects::ModifiedLaw;
-use frettrace_friction::{Bristle, FrictionModel, Law, Scalar};
+use frettrace_friction::{Bristle, FrictionModel, Scalar, Steady, laws};
 use frettrace_measurement as file;
 use serde::Serialize;
 
@@ -192,19 +192,8 @@ fn wanted(rig: &Rig, options: &ResponseOptions) -> Wanted {
     }
 }
 
-/// Laws and effects that a periodic response at the excitation's frequency, with the linear support spring, does not carry.
+/// Effects that a periodic response at the excitation's frequency, with the linear support spring, does not carry.
 fn refuse(rig: &Rig, simulated: &SimulatedRig) -> Result<(), StudyError> {
-    if let SimulatedLaw::Declared(model) = &simulated.law {
-        let followed = [Law::Coulomb, Law::Stribeck, Law::Dahl, Law::Lugre, Law::Hybrid];
-        if !followed.contains(&model.law()) {
-            return Err(StudyError::RigValue {
-                path: std::path::PathBuf::new(),
-                place: "support.law".to_owned(),
-                found: model.law().name().to_owned(),
-                allowed: "one of coulomb, stribeck, dahl, lugre, hybrid: response follows these by their bristle; simulate marches every law".to_owned(),
-            });
-        }
-    }
     let normal = simulated.normal;
     let normal = normal.lifts_off || normal.cubic != 0.0 || normal.sharpness != 0.0;
     let foreign = matches!(simulated.law, SimulatedLaw::Foreign(_));
@@ -266,30 +255,32 @@ fn mass((position, attached): &(f64, Attached)) -> Option<(Port, f64)> {
 }
 
 /// A law of the bristle family.
-struct Declared {
-    law: Law,
-    values: Vec<f64>,
-}
+struct Bristly(Bristle<f64>);
 
-impl Family for Declared {
+impl Family for Bristly {
     type Law<T: Scalar> = Friction<Bristle<T>>;
 
     fn parameters(&self) -> &[f64] {
-        &self.values
+        &[]
     }
 
-    fn law<T: Scalar>(&self, parameters: &[T]) -> Self::Law<T> {
-        Friction(match self.law.with_values(parameters) {
-            Ok(FrictionModel::Lugre(law)) => law.bristle(),
-            Ok(FrictionModel::Hybrid(law)) => law.bristle(),
-            Ok(FrictionModel::Dahl(law)) => law.bristle(),
-            _ => frettrace_friction::laws::Dahl {
-                sigma0: parameters[0],
-                mu_k: parameters[1],
-                exponent: T::one(),
-            }
-            .bristle(),
-        })
+    fn law<T: Scalar>(&self, _: &[T]) -> Self::Law<T> {
+        Friction(self.0.lift())
+    }
+}
+
+/// Any law of the catalogue.
+struct Declared(FrictionModel);
+
+impl Family for Declared {
+    type Law<T: Scalar> = Friction<FrictionModel<T>>;
+
+    fn parameters(&self) -> &[f64] {
+        &[]
+    }
+
+    fn law<T: Scalar>(&self, _: &[T]) -> Self::Law<T> {
+        Friction(self.0.lift())
     }
 }
 
@@ -308,27 +299,38 @@ impl Family for Modified {
     }
 }
 
-/// The law as an element; `sigma0` is the bristle of a law that has none.
+/// The law as an element; a law that is set-valued at rest gets a bristle of stiffness `sigma0`.
 fn law(law: &SimulatedLaw, sigma0: f64) -> Box<dyn Element> {
-    match law {
-        SimulatedLaw::Modified(law) => Box::new(Modified(*law)),
-        SimulatedLaw::Declared(FrictionModel::Coulomb(law)) => {
-            Box::new(Declared { law: Law::Dahl, values: vec![sigma0, law.mu_k, 1.0] })
-        }
-        SimulatedLaw::Declared(FrictionModel::Stribeck(law)) => Box::new(Declared {
-            law: Law::Lugre,
-            values: vec![sigma0, 0.0, law.v_s, law.sigma2, law.mu_s, law.mu_k, law.v_s, law.delta],
-        }),
-        SimulatedLaw::Declared(model) => Box::new(Declared { law: model.law(), values: model.values() }),
+    let bristle = match law {
+        SimulatedLaw::Modified(law) => return Box::new(Modified(*law)),
         // Effects in other formulas are refused before; what is left of them here is the declared bristle.
         SimulatedLaw::Foreign(law) => {
             let bristle = law.bristle;
-            Box::new(Declared {
-                law: Law::Dahl,
-                values: vec![bristle.sigma0, bristle.mu_k, bristle.exponent],
-            })
+            laws::Dahl { sigma0: bristle.sigma0, mu_k: bristle.mu_k, exponent: bristle.exponent }.bristle()
         }
-    }
+        SimulatedLaw::Declared(model) => match model {
+            FrictionModel::Coulomb(law) => Bristle::plain(sigma0, law.mu_k),
+            FrictionModel::Stribeck(law) => Bristle {
+                sigma2: law.sigma2,
+                mu_s: law.mu_s,
+                v_s: law.v_s,
+                delta: law.delta,
+                steady: Steady::Stribeck,
+                ..Bristle::plain(sigma0, law.mu_k)
+            },
+            FrictionModel::Dahl(law) => law.bristle(),
+            FrictionModel::Lugre(law) => law.bristle(),
+            FrictionModel::Hybrid(law) => law.bristle(),
+            FrictionModel::ElastoPlastic(law) => law.bristle(),
+            FrictionModel::FilmStribeck(law) => {
+                let laws::FilmStribeck { film, sigma2, inertia } = *law;
+                let law = laws::FilmLugre { sigma0, sigma1: 0.0, film, sigma2, inertia };
+                return Box::new(Declared(FrictionModel::FilmLugre(law)));
+            }
+            other => return Box::new(Declared(*other)),
+        },
+    };
+    Box::new(Bristly(bristle))
 }
 
 fn described(simulated: &SimulatedRig, found: hb::Response) -> FrequencyResponse {

@@ -1,6 +1,7 @@
 use super::*;
 use crate::rig::parse_rig;
 use crate::rig::tests::RIG;
+use frettrace_friction::Law;
 use std::path::Path;
 
 fn rig(text: &str) -> Rig {
@@ -45,14 +46,55 @@ fn what_is_not_periodic_is_refused() {
     assert!(message.contains("structure.frequency-drift"), "{message}");
 }
 
-/// A law without a bristle would otherwise be answered as another one.
+/// The rig with another law and its parameters.
+fn with_law(law: Law, values: &[f64]) -> Rig {
+    let keys = law.parameters().iter().map(crate::rig::parameter_key);
+    let lines: String = keys.zip(values).map(|(key, value)| format!("{key} = {value:e}\n")).collect();
+    let dahl = "sigma0_per_m = 5.0e5\nmu_k = 0.25\nexponent = 1.0\n";
+    let text = RIG.replace("law = \"dahl\"", &format!("law = \"{}\"", law.name()));
+    rig(&text.replace(dahl, &lines).replace("noise_std_m_per_s2 = 0.05", "noise_std_m_per_s2 = 0.0"))
+}
+
+/// Every law of the catalogue is followed, or its status says that there is no start; most are.
 #[test]
-fn laws_that_are_not_followed_are_refused() {
-    let text = RIG
-        .replace("law = \"dahl\"", "law = \"jenkins\"")
-        .replace("sigma0_per_m = 5.0e5", "tangential_stiffness_n_per_m = 1.0e5")
-        .replace("exponent = 1.0\n", "");
-    let refused = response(&rig(&text), &ResponseOptions::default(), &Progress::silent());
-    let message = refused.unwrap_err().to_string();
-    assert!(message.contains("jenkins") && message.contains("support.law"), "{message}");
+fn every_law_has_a_response() {
+    let options = ResponseOptions { range_hz: Some([100.0, 110.0]), order: 15, stability: false };
+    let mut unfinished = Vec::new();
+    for law in Law::ALL {
+        let found = response(&with_law(*law, &law.example()), &options, &Progress::silent()).unwrap();
+        for level in &found.levels {
+            let states = ["finished", "returned", "no-start", "stalled", "point-limit"];
+            assert!(states.contains(&level.status), "{}: {}", law.name(), level.status);
+            assert!(level.status == "no-start" || !level.points.is_empty());
+            if level.status != "finished" {
+                unfinished.push((law.name(), level.force_amplitude_n, level.status));
+            }
+        }
+    }
+    assert!(unfinished.is_empty(), "{unfinished:?}");
+}
+
+/// Laws of other families against the time march of the same rig, on the run's own frequency: 13 periods in 1024 samples.
+#[test]
+fn laws_of_other_families_answer_as_the_simulation() {
+    let options = ResponseOptions { range_hz: Some([104.0, 106.0]), order: 31, stability: false };
+    for (law, values) in [
+        (Law::Jenkins, vec![3.0e7, 0.25]),
+        (Law::Iwan, vec![5.0e5, 0.25, -0.5, 0.5]),
+        (Law::BoucWen, vec![5.0e5, 0.25, 1.5, 0.7]),
+        (Law::MaxwellSlip, vec![2.0e5, 1.5e5, 1.0e5, 5.0e4, 0.05, 0.1, 0.07, 0.06]),
+    ] {
+        let rig = with_law(law, &values);
+        let found = response(&rig, &options, &Progress::silent()).unwrap();
+        let simulated = simulate::simulate(&rig, &Progress::silent()).unwrap();
+        for (level, run) in found.levels.iter().zip(&simulated.measurement.runs) {
+            assert_eq!(level.status, "finished", "{}", law.name());
+            for (sensor, expected) in level.points[0].acceleration_m_per_s2.iter().enumerate() {
+                let square: f64 = run.acceleration[sensor].iter().map(|a| a * a).sum::<f64>() / 1024.0;
+                let error = square.sqrt() / expected - 1.0;
+                // The recording filters what lies above half its rate, the balance what lies above order 31.
+                assert!(error.abs() < 2e-3, "{} {sensor}: {error:e}", law.name());
+            }
+        }
+    }
 }
