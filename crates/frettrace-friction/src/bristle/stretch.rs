@@ -7,6 +7,8 @@
 
 use std::ops::ControlFlow;
 
+use pulp::{Arch, Simd, WithSimd};
+
 use super::flow::{LONG, MIDDLE, Memory};
 use super::{Bristle, Saturation, Steady};
 use crate::decay::{decay, power};
@@ -15,9 +17,14 @@ use crate::{FrictionLaw, Scalar, Stretch};
 /// Steps of a block: its rows stay in the nearest cache.
 const BLOCK: usize = 64;
 
+/// Steps that are always computed together: the widest vectors there are. What lies beyond the last step is not used.
+const LANES: usize = 8;
+
 type Row = [f64; BLOCK];
+type Samples = [f64; BLOCK + 1];
 
 /// Parameters in plain numbers, with what is needed of them.
+#[derive(Clone, Copy)]
 struct Plain {
     sigma0: f64,
     sigma1: f64,
@@ -29,13 +36,16 @@ struct Plain {
     delta: f64,
 }
 
-/// One block of steps.
+/// One block of steps. The motion is copied into it, so that all rows are known not to overlap.
 struct Block {
-    /// μ and 1/μ at the samples, the last one apart from the steps.
-    mu: [f64; BLOCK + 1],
-    inverses: [f64; BLOCK + 1],
+    slip: Samples,
+    velocity: Samples,
+    normal: Samples,
+    /// μ and 1/μ at the samples.
+    mu: Samples,
+    inverses: Samples,
     /// Slip velocity and μ at half time.
-    velocity: Row,
+    middle: Row,
     mu_middle: Row,
     /// Length X of the step, and up to half time.
     whole: Row,
@@ -72,10 +82,11 @@ pub(super) fn follow<T: Scalar>(
         }
         return state;
     };
-    let mut block = Block::new();
+    let (arch, mut block) = (Arch::new(), Block::new());
     for first in (0..steps).step_by(BLOCK) {
         let part = stretch.part(first, BLOCK.min(steps - first));
-        block.fill(&plain, &part);
+        block.read(&part);
+        arch.dispatch(Fill { block: &mut block, law: plain, steps: part.steps(), dt: part.dt });
         let motion = block.keep.iter().zip(&block.target);
         let answer = block.slope.iter().zip(&block.offset);
         for (index, ((keep, target), (slope, offset))) in motion.zip(answer).take(part.steps()).enumerate() {
@@ -112,13 +123,35 @@ impl Plain {
     }
 }
 
+/// [`Block::fill`], inlined into the code of each instruction set, of which the processor's own is taken: the same operations
+/// in the same order, hence the same numbers, in wider vectors.
+struct Fill<'a> {
+    block: &'a mut Block,
+    law: Plain,
+    steps: usize,
+    dt: f64,
+}
+
+impl WithSimd for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let lanes = self.steps.next_multiple_of(LANES).min(BLOCK);
+        self.block.fill(self.law, lanes, self.dt);
+    }
+}
+
 impl Block {
     fn new() -> Self {
-        let row = [0.0; BLOCK];
+        let (samples, row) = ([0.0; BLOCK + 1], [0.0; BLOCK]);
         Self {
-            mu: [0.0; BLOCK + 1],
-            inverses: [0.0; BLOCK + 1],
-            velocity: row,
+            slip: samples,
+            velocity: samples,
+            normal: samples,
+            mu: samples,
+            inverses: samples,
+            middle: row,
             mu_middle: row,
             whole: row,
             half: row,
@@ -131,55 +164,65 @@ impl Block {
         }
     }
 
-    #[inline(never)]
-    fn fill<T: Scalar>(&mut self, law: &Plain, part: &Stretch<'_, T>) {
-        if law.delta == 2.0 {
-            self.steady(law, part, |ratio| ratio * ratio);
-        } else if law.delta == 1.0 {
-            self.steady(law, part, |ratio| ratio);
-        } else {
-            self.steady(law, part, |ratio| power(ratio, law.delta));
+    fn read<T: Scalar>(&mut self, part: &Stretch<'_, T>) {
+        let rows = [
+            (&mut self.slip, part.slip),
+            (&mut self.velocity, part.velocity),
+            (&mut self.normal, part.normal),
+        ];
+        for (row, samples) in rows {
+            row.iter_mut().zip(samples).for_each(|(to, from)| *to = from.re());
         }
-        let long = self.lengths(law, part);
-        self.remember(part.steps(), long);
-        self.damp(law, part);
-        self.close(law, part);
+    }
+
+    #[inline(always)]
+    fn fill(&mut self, law: Plain, lanes: usize, dt: f64) {
+        if law.delta == 2.0 {
+            self.steady(law, lanes, dt, |ratio| ratio * ratio);
+        } else if law.delta == 1.0 {
+            self.steady(law, lanes, dt, |ratio| ratio);
+        } else {
+            self.steady(law, lanes, dt, |ratio| power(ratio, law.delta));
+        }
+        let long = self.lengths(law, lanes, dt);
+        self.remember(lanes, long);
+        self.damp(law, lanes);
+        self.close(law, lanes);
     }
 
     /// μ at the samples and at half time.
     #[inline(always)]
-    fn steady<T: Scalar>(&mut self, law: &Plain, part: &Stretch<'_, T>, power: impl Fn(f64) -> f64) {
+    fn steady(&mut self, law: Plain, lanes: usize, dt: f64, power: impl Fn(f64) -> f64) {
         let at = |v: f64| law.mu_k + law.excess * decay(power(v.abs() * law.slowness));
-        for ((mu, inverse), v) in self.mu.iter_mut().zip(&mut self.inverses).zip(part.velocity) {
-            *mu = at(v.re());
+        let (slip, velocity) = (&self.slip[..=lanes], &self.velocity[..=lanes]);
+        let (mu, inverses) = (&mut self.mu[..=lanes], &mut self.inverses[..=lanes]);
+        for ((mu, inverse), v) in mu.iter_mut().zip(inverses).zip(velocity) {
+            *mu = at(*v);
             *inverse = mu.recip();
         }
-        let (slip, velocity) = (pairs(part.slip), pairs(part.velocity));
-        let factor = 1.5 / part.dt;
-        let rows = self.velocity.iter_mut().zip(&mut self.mu_middle);
-        for (((middle, mu), (u0, u1)), (v0, v2)) in rows.zip(slip).zip(velocity) {
-            *middle = (u1 - u0) * factor - (v0 + v2) * 0.25;
-            *mu = at(*middle);
+        let factor = 1.5 / dt;
+        let (middle, mu) = (&mut self.middle[..lanes], &mut self.mu_middle[..lanes]);
+        for k in 0..lanes {
+            middle[k] = (slip[k + 1] - slip[k]) * factor - (velocity[k] + velocity[k + 1]) * 0.25;
+            mu[k] = at(middle[k]);
         }
     }
 
     /// Length of each step, and up to half time; whether one is long.
     #[inline(always)]
-    fn lengths<T: Scalar>(&mut self, law: &Plain, part: &Stretch<'_, T>) -> bool {
-        let count = part.steps();
-        let (slip, velocity) = (&part.slip[..=count], &part.velocity[..=count]);
-        let (before, after) = (&self.inverses[..count], &self.inverses[1..=count]);
-        let (speed, mu) = (&self.velocity[..count], &self.mu_middle[..count]);
-        let (whole, half) = (&mut self.whole[..count], &mut self.half[..count]);
+    fn lengths(&mut self, law: Plain, lanes: usize, dt: f64) -> bool {
+        let (slip, velocity) = (&self.slip[..=lanes], &self.velocity[..=lanes]);
+        let inverses = &self.inverses[..=lanes];
+        let (speed, mu) = (&self.middle[..lanes], &self.mu_middle[..lanes]);
+        let (whole, half) = (&mut self.whole[..lanes], &mut self.half[..lanes]);
         // A whole number: the largest of many would have to be found one after the other.
         let mut long = 0_u64;
-        for k in 0..count {
-            let (travel, [v0, v2]) =
-                (slip[k + 1].re() - slip[k].re(), [velocity[k].re(), velocity[k + 1].re()]);
-            let pace = law.sigma0.copysign(sense(travel, v0, v2)) * part.dt;
-            let start = v0 * pace * before[k];
+        for k in 0..lanes {
+            let (travel, [v0, v2]) = (slip[k + 1] - slip[k], [velocity[k], velocity[k + 1]]);
+            let pace = law.sigma0.copysign(sense(travel, v0, v2)) * dt;
+            let start = v0 * pace * inverses[k];
             let middle = speed[k] * pace * mu[k].recip();
-            let end = v2 * pace * after[k];
+            let end = v2 * pace * inverses[k + 1];
             whole[k] = (start + middle * 4.0 + end) * (1.0 / 6.0);
             half[k] = (start * 5.0 + middle * 8.0 - end) * (1.0 / 24.0);
             long |= u64::from(whole[k] > LONG);
@@ -189,9 +232,9 @@ impl Block {
 
     /// Both ways side by side where a step is long: a branch would keep the loop from vectors.
     #[inline(always)]
-    fn remember(&mut self, count: usize, long: bool) {
+    fn remember(&mut self, lanes: usize, long: bool) {
         let [zeroth, first, second] = &mut self.moments;
-        let rows = zeroth.iter_mut().zip(first).zip(second).zip(&self.whole).take(count);
+        let rows = zeroth.iter_mut().zip(first).zip(second).zip(&self.whole).take(lanes);
         if long {
             for (((m0, m1), m2), &x) in rows {
                 let (near, far) = (Memory::short(x).moments, Memory::long(x).moments);
@@ -207,12 +250,12 @@ impl Block {
 
     /// Presliding damping at the ends of the steps.
     #[inline(always)]
-    fn damp<T: Scalar>(&mut self, law: &Plain, part: &Stretch<'_, T>) {
+    fn damp(&mut self, law: Plain, lanes: usize) {
         if law.sigma1 == 0.0 || law.fading == 0.0 {
             self.damping.fill(law.sigma1);
             return;
         }
-        for (damping, (_, v)) in self.damping.iter_mut().zip(pairs(part.velocity)) {
+        for (damping, v) in self.damping[..lanes].iter_mut().zip(&self.velocity[1..=lanes]) {
             let ratio = v * law.fading;
             *damping = law.sigma1 * decay(ratio * ratio);
         }
@@ -220,37 +263,33 @@ impl Block {
 
     /// The affine maps of deflection and force.
     #[inline(always)]
-    fn close<T: Scalar>(&mut self, law: &Plain, part: &Stretch<'_, T>) {
-        let count = part.steps();
-        let (slip, velocity) = (&part.slip[..=count], &part.velocity[..=count]);
-        let (normal, compliance) = (&part.normal[..=count], law.sigma0.recip());
+    fn close(&mut self, law: Plain, lanes: usize) {
+        let (slip, velocity) = (&self.slip[..=lanes], &self.velocity[..=lanes]);
+        let (normal, compliance) = (&self.normal[..=lanes], law.sigma0.recip());
+        let (mu, inverses) = (&self.mu[..=lanes], &self.inverses[..=lanes]);
+        let (mu_middle, damping) = (&self.mu_middle[..lanes], &self.damping[..lanes]);
+        let (whole, half) = (&self.whole[..lanes], &self.half[..lanes]);
         let [zeroth, first, second] = &self.moments;
-        for k in 0..count {
-            let (travel, [v0, v2]) =
-                (slip[k + 1].re() - slip[k].re(), [velocity[k].re(), velocity[k + 1].re()]);
-            let (whole, half) = (self.whole[k], self.half[k]);
-            let (lean, rise) = (self.mu[k + 1] - self.mu[k], self.mu_middle[k] - self.mu[k]);
+        let (zeroth, first, second) = (&zeroth[..lanes], &first[..lanes], &second[..lanes]);
+        let (keep, target) = (&mut self.keep[..lanes], &mut self.target[..lanes]);
+        let (slope, offset) = (&mut self.slope[..lanes], &mut self.offset[..lanes]);
+        for k in 0..lanes {
+            let (travel, [v0, v2]) = (slip[k + 1] - slip[k], [velocity[k], velocity[k + 1]]);
+            let (whole, half) = (whole[k], half[k]);
+            let (lean, rise) = (mu[k + 1] - mu[k], mu_middle[k] - mu[k]);
             // The parabola's bend, `(rise − κ lean)/(κ (κ − 1))` with κ = half/whole, in one division.
             let bend = (rise * whole - lean * half) * whole / (half * (half - whole));
-            let loading = self.mu[k] * zeroth[k] + lean * first[k] + bend * (second[k] - first[k]);
+            let loading = mu[k] * zeroth[k] + lean * first[k] + bend * (second[k] - first[k]);
             let inside = (half >= MIDDLE.0 * whole) & (half <= MIDDLE.1 * whole);
             let affine = (whole > 0.0) & inside & (v0 * v2 >= 0.0);
-            self.keep[k] = if affine { 1.0 - zeroth[k] } else { f64::NAN };
-            self.target[k] = loading * compliance.copysign(sense(travel, v0, v2));
-            let pressed = normal[k + 1].re();
-            let pressed = if pressed > 0.0 { pressed } else { 0.0 };
-            let damping = self.damping[k];
-            let relaxing = 1.0 - damping * v2.abs() * self.inverses[k + 1];
-            self.slope[k] = pressed * (law.sigma0 * relaxing);
-            self.offset[k] = pressed * damping * v2 + law.sigma2 * v2;
+            keep[k] = if affine { 1.0 - zeroth[k] } else { f64::NAN };
+            target[k] = loading * compliance.copysign(sense(travel, v0, v2));
+            let pressed = if normal[k + 1] > 0.0 { normal[k + 1] } else { 0.0 };
+            let relaxing = 1.0 - damping[k] * v2.abs() * inverses[k + 1];
+            slope[k] = pressed * (law.sigma0 * relaxing);
+            offset[k] = pressed * damping[k] * v2 + law.sigma2 * v2;
         }
     }
-}
-
-/// Old and new sample of each step.
-#[inline(always)]
-fn pairs<T: Scalar>(samples: &[T]) -> impl Iterator<Item = (f64, f64)> {
-    samples.iter().zip(&samples[1..]).map(|(old, new)| (old.re(), new.re()))
 }
 
 /// What has the sign of the slip.
@@ -307,6 +346,30 @@ mod tests {
                         ControlFlow::Continue(())
                     });
                     assert_eq!(count, 299);
+                }
+            }
+        }
+    }
+
+    /// The processor's widest vectors and those that every processor has give the same bits: no product is fused with a sum.
+    #[test]
+    fn every_instruction_set_gives_the_same_numbers() {
+        let [slip, velocity, normal] = motion();
+        let stretch = Stretch { slip: &slip, velocity: &velocity, normal: &normal, dt: 5e-4 };
+        for (sigma0, delta) in [(1e4, 1.0), (3e5, 1.7), (1e8, 2.0)] {
+            let plain = Plain::of(&law(sigma0, [20.0, 8e-4], delta)).unwrap();
+            let [mut here, mut there] = [Block::new(), Block::new()];
+            for (first, steps) in [(0, BLOCK), (170, BLOCK), (256, 43)] {
+                let part = stretch.part(first, steps);
+                let dt = part.dt;
+                here.read(&part);
+                there.read(&part);
+                here.fill(plain, steps.next_multiple_of(LANES), dt);
+                Arch::new().dispatch(Fill { block: &mut there, law: plain, steps, dt });
+                let rows = |block: &Block| [block.keep, block.target, block.slope, block.offset];
+                for (one, other) in rows(&here).iter().zip(&rows(&there)) {
+                    let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
+                    assert!(one.iter().zip(other).take(steps).all(same));
                 }
             }
         }
