@@ -11,12 +11,15 @@ pub struct Claims {
     pub masing: bool,
     /// The force never exceeds the normal force times the largest friction coefficient.
     pub bounded: bool,
+    /// The force jumps along a smooth motion, by a rule from sample to sample: first order in the step, in the mean, where the
+    /// others are second order.
+    pub jumps: bool,
 }
 
 impl Claims {
     /// Passive, and nothing else.
     pub(crate) const PASSIVE: Claims =
-        Claims { passive: true, rate_independent: false, masing: false, bounded: false };
+        Claims { passive: true, rate_independent: false, masing: false, bounded: false, jumps: false };
     /// Passive and bounded.
     pub(crate) const BOUNDED: Claims = Claims { bounded: true, ..Claims::PASSIVE };
     /// All but Masing's rule.

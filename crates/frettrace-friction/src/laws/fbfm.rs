@@ -16,14 +16,15 @@
 //! The friction force \[N\] of the last sample.
 //!
 //! # Limits
-//! v_0 → 0: Coulomb with stiction. m → ∞: full friction by the sense of the acceleration inside the band.
+//! v_0 → 0: Coulomb with stiction. m → ∞, or Δt → 0: full friction by the sense of the acceleration inside the band, since a
+//! mass that is held has none; of a step Δt it takes `2 μ_s N Δt/(m |v̇|)` to turn, so that the force is first order in Δt.
 //!
 //! # Energy per cycle
 //! `4 μ_k N A` for `v_0 → 0`.
 //!
 //! # What it cannot show
-//! Elastic presliding. It needs the mass, so it belongs to the rig as much as to the contact, and it depends on the
-//! sampling: inside the band it is a rule for time marching rather than a law.
+//! Elastic presliding. It needs the mass, so it belongs to the rig as much as to the contact; along a given motion with coarse
+//! steps it depends on them: inside the band it is a rule for time marching rather than a law.
 //!
 //! # References
 //! D. Karnopp, J. Dyn. Syst. Meas. Control 107 (1985) 100; X. Tan, R. J. Rogers, PVP-328 (1996) 347; M. A. Hassan, R. J.
@@ -59,7 +60,7 @@ pub(crate) const PARAMETERS: &[Parameter] =
     &[MU_S, MU_K, V_REF, Parameter::new("moving_mass", "kg", Range::POSITIVE, 1.0)];
 
 /// Not passive: inside the band it follows the motion of the mass.
-pub(crate) const CLAIMS: Claims = Claims { passive: false, ..Claims::BOUNDED };
+pub(crate) const CLAIMS: Claims = Claims { passive: false, jumps: true, ..Claims::BOUNDED };
 
 impl<T: Scalar> Fbfm<T> {
     pub(crate) fn from_values([mu_s, mu_k, v_ref, moving_mass]: [T; 4]) -> Self {
