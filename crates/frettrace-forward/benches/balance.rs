@@ -15,6 +15,7 @@ use frettrace_forward::march::{Port, Structure};
 use frettrace_friction::{Bristle, Scalar, laws::Dahl};
 use num_complex::Complex64;
 use problems::Peer;
+use std::f64::consts::TAU;
 
 fn main() {
     for (name, peer, range) in [("P2", problems::p2(), RANGES[0]), ("P3", problems::p3(), RANGES[1])] {
@@ -22,10 +23,12 @@ fn main() {
             println!("{name}: {points} points, {evaluations} evaluations, {linearisations} Jacobians");
         }
     }
-    if let Some(found) = response_of_levels() {
-        let points: Vec<usize> = found.levels.iter().map(|level| level.points.len()).collect();
-        let ends: Vec<SweepStatus> = found.levels.iter().map(|level| level.status).collect();
-        println!("response: points {points:?}, {ends:?}");
+    for range in [WHOLE, HUNDRED] {
+        if let Some(found) = response_of_levels(range) {
+            let points: Vec<usize> = found.levels.iter().map(|level| level.points.len()).collect();
+            let finished = found.levels.iter().all(|level| level.status == SweepStatus::Finished);
+            println!("response over {range:?} Hz: points {points:?}, all finished: {finished}");
+        }
     }
     divan::main();
 }
@@ -77,9 +80,13 @@ fn run(order: usize) -> Option<(Lines, Settings)> {
     Some((network.lines(0.7, order, 1.0).ok()?, Settings { order, samples, ..Settings::default() }))
 }
 
+/// Ranges of the excitation (Hz): the whole resonance, and one that takes about a hundred points a level.
+const WHOLE: [f64; 2] = [76.0, 114.0];
+const HUNDRED: [f64; 2] = [94.0, 112.0];
+
 /// Eight levels over a resonance of a beam on its friction support, as the program's `response` asks for them: 40 modes,
 /// order 15, stability of every point, backbone; all cores.
-fn response_of_levels() -> Option<Response> {
+fn response_of_levels(range: [f64; 2]) -> Option<Response> {
     let (length, spring) = (0.52, 4e6);
     let beam = UniformBeam::rectangular(length, [0.03, 0.007], 2.05e11, 7840.0);
     let model = |modes: usize| {
@@ -101,9 +108,9 @@ fn response_of_levels() -> Option<Response> {
     };
     let options = ResponseOptions {
         levels: (0..8).map(|level| 0.2 * 1.7_f64.powi(level)).collect(),
-        range: [500.0, 700.0],
+        range: range.map(|frequency| TAU * frequency),
         settings: Settings { order: 15, samples: 128, tolerance: 1e-7, ..Settings::default() },
-        resolution: [1e-2, 0.01],
+        resolution: [1e-2, 0.03],
         stability: true,
         backbone: 25,
     };
@@ -113,8 +120,13 @@ fn response_of_levels() -> Option<Response> {
 const SUPPORT: Bristles = Bristles([4.2e5, 0.24]);
 
 #[divan::bench(sample_count = 10)]
-fn response_over_eight_levels(bencher: divan::Bencher) {
-    bencher.bench_local(response_of_levels);
+fn whole_response_over_eight_levels(bencher: divan::Bencher) {
+    bencher.bench_local(|| response_of_levels(WHOLE));
+}
+
+#[divan::bench(sample_count = 10)]
+fn hundred_points_over_eight_levels(bencher: divan::Bencher) {
+    bencher.bench_local(|| response_of_levels(HUNDRED));
 }
 
 fn contact() -> Contact<'static> {

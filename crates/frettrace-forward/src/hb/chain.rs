@@ -8,6 +8,7 @@ use super::contact::STATE_LIMIT;
 use super::element::{INPUTS, Partials};
 use super::period::{Memory, Resolvent};
 use num_complex::Complex64;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Lines carried together: they fill the widest vector registers in use.
 pub(super) const LANES: usize = 8;
@@ -78,9 +79,30 @@ pub(super) struct Chain<'a> {
     pub start_width: usize,
 }
 
+/// [`Chain::columns`] in the code of each instruction set.
+struct Columns<'a, 'b> {
+    chain: &'a Chain<'b>,
+    gains: &'a Gains,
+    columns: &'a mut [Complex64],
+}
+
+impl WithSimd for Columns<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.chain.columns_of(self.gains, self.columns);
+    }
+}
+
 impl Chain<'_> {
     /// Answers `ψ_k` of the forces that `columns[(o·LANES + lane)·N + k]` has room for, to the gains.
     pub fn columns(&self, gains: &Gains, columns: &mut [Complex64]) {
+        Arch::new().dispatch(Columns { chain: self, gains, columns });
+    }
+
+    #[inline(always)]
+    fn columns_of(&self, gains: &Gains, columns: &mut [Complex64]) {
         match (self.shape[0], self.shape[1]) {
             (0, 1) => self.sweep::<0, 1>(gains, columns),
             (1, 1) => self.sweep::<1, 1>(gains, columns),
@@ -102,6 +124,7 @@ impl Chain<'_> {
         if M < STATE_LIMIT { M } else { self.shape[0] }
     }
 
+    #[inline(always)]
     fn sweep<const M: usize, const O: usize>(&self, gains: &Gains, columns: &mut [Complex64]) {
         let mut state = [Lanes::default(); M];
         if M > 0 {
@@ -115,6 +138,7 @@ impl Chain<'_> {
     }
 
     /// `ψ_0 = (1 − Π)⁺ α`, in neutral directions what loading from rest gives.
+    #[inline(always)]
     fn periodic<const M: usize>(&self, end: &[Lanes; M], gains: &Gains) -> [Lanes; M] {
         let (mut start, m) = ([Lanes::default(); M], self.states::<M>());
         for (i, lane) in start.iter_mut().enumerate().take(m) {
@@ -128,6 +152,7 @@ impl Chain<'_> {
         start
     }
 
+    #[inline(always)]
     fn advance<const M: usize, const O: usize, const WRITE: bool>(
         &self,
         first: usize,

@@ -2,7 +2,6 @@
 
 use super::contact::{ContactLaw, Family};
 use frettrace_friction::{Gradient, Scalar, Step, Stretch};
-use std::cell::Cell;
 use std::ops::ControlFlow;
 
 /// Inputs of a step besides the state: slip, velocity and normal force, each at the old and the new sample.
@@ -152,23 +151,28 @@ impl<F: Family> Element for F {
         state.as_mut().copy_from_slice(&orbit.states[..m]);
         let samples = motion.slip.len();
         let Motion { slip, velocity, normal, dt } = motion;
-        let (mut k, met) = (0, Cell::new(false));
-        // One closure for the steps along the period and the one around its end: the law's step is there once, inlined.
-        let mut record = |_, new: <Law<F, f64> as ContactLaw<f64>>::State, force: [f64; 2]| {
-            k += 1;
-            let at = if k == samples { 0 } else { k };
-            met.set(orbit.store([k, at], new.as_ref(), &force[..o]) && again);
-            if met.get() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        };
-        state = law.follow(state, &Stretch { slip, velocity, normal, dt: *dt }, &mut record);
-        if met.get() {
+        let mut met = false;
+        // Stored where the steps are made: of a law with few operations a call a sample would cost as much as its step.
+        state = law.follow(
+            state,
+            &Stretch { slip, velocity, normal, dt: *dt },
+            #[inline(always)]
+            |index, new, force| {
+                met = orbit.store([index + 1; 2], new.as_ref(), &force[..o]) && again;
+                if met { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            },
+        );
+        if met {
             return;
         }
         let last = samples - 1;
         let around = [slip, velocity, normal].map(|x| [x[last], x[0]]);
         let [slip, velocity, normal] = &around;
         let end = Stretch { slip, velocity, normal, dt: *dt };
-        law.follow(state, &end, &mut record);
+        law.follow(state, &end, |_, new, force| {
+            orbit.store([samples, 0], new.as_ref(), &force[..o]);
+            ControlFlow::Continue(())
+        });
     }
 
     fn linearise(&self, motion: &Motion, orbit: &mut Orbit, partials: &mut Partials) {
@@ -219,6 +223,7 @@ fn seed<const W: usize>(value: f64, index: Option<usize>) -> Gradient<W> {
     }
 }
 
+#[inline(always)]
 fn meets(old: &[f64], new: &[f64]) -> bool {
     old.iter().zip(new).all(|(a, b)| (a - b).abs() <= 4.0 * f64::EPSILON * b.abs())
 }

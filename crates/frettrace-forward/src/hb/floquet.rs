@@ -12,6 +12,7 @@ use super::system::Problem;
 use crate::ForwardError;
 use nalgebra::{DMatrix, Matrix4};
 use num_complex::Complex64;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Multipliers of a periodic motion, the largest first.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,15 +44,18 @@ impl Rows {
         Self { width, values: vec![0.0; count * width] }
     }
 
+    #[inline(always)]
     fn row(&self, i: usize) -> &[f64] {
         &self.values[i * self.width..][..self.width]
     }
 
+    #[inline(always)]
     fn row_mut(&mut self, i: usize) -> &mut [f64] {
         &mut self.values[i * self.width..][..self.width]
     }
 }
 
+#[inline(always)]
 fn add(target: &mut [f64], factor: f64, source: &[f64]) {
     target.iter_mut().zip(source).for_each(|(t, s)| *t += factor * s);
 }
@@ -142,6 +146,7 @@ impl<'a> Disturbance<'a> {
     }
 
     /// Slip, velocity and normal force of a contact in every disturbance.
+    #[inline(always)]
     fn read(&self, contact: usize, x: &Rows, out: &mut Rows) {
         out.values.fill(0.0);
         let Inputs { slip, normal, .. } = &self.inputs[contact];
@@ -155,6 +160,7 @@ impl<'a> Disturbance<'a> {
     }
 
     /// Modes over a step with the old loads held and the new ones still missing. Loads are minus the forces.
+    #[inline(always)]
     fn drift(&self, x: &Rows, next: &mut Rows) {
         next.values.fill(0.0);
         for (n, step) in self.modes.iter().enumerate() {
@@ -170,6 +176,7 @@ impl<'a> Disturbance<'a> {
     }
 
     /// One step: drift, then the new forces, each an implicit linear equation; `partials` are those of the step.
+    #[inline(always)]
     fn step(&self, partials: &[&[f64]], x: &Rows, next: &mut Rows, scratch: &mut Scratch) {
         self.drift(x, next);
         scratch.right.values.fill(0.0);
@@ -201,6 +208,7 @@ impl<'a> Disturbance<'a> {
         self.finish(partials, next, scratch);
     }
 
+    #[inline(always)]
     fn add_supports(&self, next: &Rows, scratch: &mut Scratch) {
         let first = self.loads.len() - self.supports.len();
         for (index, support) in self.supports.iter().enumerate() {
@@ -218,6 +226,7 @@ impl<'a> Disturbance<'a> {
     }
 
     /// Puts the new forces in: they move the modes, and with them the states of the contacts.
+    #[inline(always)]
     fn finish(&self, partials: &[&[f64]], next: &mut Rows, scratch: &mut Scratch) {
         // Without an inverse the forces are those before they act back.
         let _ = scratch.system.try_inverse_mut();
@@ -241,7 +250,36 @@ impl<'a> Disturbance<'a> {
     }
 }
 
+/// The disturbances carried along one period, in the code of each instruction set.
+struct Period<'a, 'b> {
+    disturbance: &'a Disturbance<'b>,
+    /// Partials of each contact.
+    cells: Vec<&'a [f64]>,
+    samples: usize,
+    x: &'a mut Rows,
+    next: &'a mut Rows,
+}
+
+impl WithSimd for Period<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { disturbance, cells, samples, x, next } = self;
+        let (mut scratch, mut partials) = (disturbance.scratch(), cells.clone());
+        for k in 0..samples {
+            for (step, cell) in partials.iter_mut().zip(&cells) {
+                let length = cell.len() / samples;
+                *step = &cell[k * length..(k + 1) * length];
+            }
+            disturbance.step(&partials, x, next, &mut scratch);
+            std::mem::swap(x, next);
+        }
+    }
+}
+
 /// What a row of partials answers to a unit of a new load, through the new inputs.
+#[inline(always)]
 fn late(row: &[f64], m: usize, gain: &[f64; 3]) -> f64 {
     (0..3).map(|i| row[m + 2 * i + 1] * gain[i]).sum()
 }
@@ -284,15 +322,14 @@ impl Solver {
         let size = disturbance.size;
         let (mut x, mut next) = (Rows::zeros(size, size), Rows::zeros(size, size));
         (0..size).for_each(|i| x.row_mut(i)[i] = 1.0);
-        let mut scratch = disturbance.scratch();
-        for k in 0..samples {
-            let partials = self.system.cells.iter().map(|cell| {
-                let length = cell.partials.rows.len() / samples;
-                &cell.partials.rows[k * length..(k + 1) * length]
-            });
-            disturbance.step(&partials.collect::<Vec<_>>(), &x, &mut next, &mut scratch);
-            std::mem::swap(&mut x, &mut next);
-        }
+        let cells = self.system.cells.iter().map(|cell| cell.partials.rows.as_slice()).collect();
+        Arch::new().dispatch(Period {
+            disturbance: &disturbance,
+            cells,
+            samples,
+            x: &mut x,
+            next: &mut next,
+        });
         let x = DMatrix::from_row_slice(size, size, &x.values);
         let mut multipliers: Vec<Complex64> = x.complex_eigenvalues().iter().copied().collect();
         multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()));

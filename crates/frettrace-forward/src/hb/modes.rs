@@ -20,6 +20,8 @@ use num_complex::Complex64;
 
 /// Newton steps for the start.
 const START_LIMIT: usize = 30;
+/// Corrections from one amplitude to the next before the mode counts as lost.
+const REACH_LIMIT: usize = 100;
 
 /// Which mode is followed, and over which amplitudes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,8 +134,9 @@ impl Solver {
         let mut corrector = Corrector::default();
         let (mut at, mut state) = from.clone();
         let mut factor = target / at;
-        while (factor - 1.0).abs() > 1e-6 || at == from.0 {
-            let amplitude = at * factor;
+        for _ in 0..REACH_LIMIT {
+            let last = target / at / factor;
+            let amplitude = if (last - 1.0).abs() < 1e-6 { target } else { at * factor };
             let omega = state.unknowns[0];
             let condition = Mode {
                 network,
@@ -147,10 +150,12 @@ impl Solver {
             corrector.forget();
             if corrector.correct(self, contacts, &condition, &mut trial)? {
                 (at, state) = (amplitude, trial);
-                factor = target / at;
-                if (factor - 1.0).abs() < 1e-12 {
+                if at == target {
                     return Ok(Some(state));
                 }
+                // Twice the step that succeeded: from the whole way again each would cost all the steps that fail.
+                let rest = target / at;
+                factor = if rest.ln().abs() < 2.0 * factor.ln().abs() { rest } else { factor * factor };
             } else {
                 factor = factor.sqrt();
                 if (factor - 1.0).abs() < 1e-4 {
@@ -158,7 +163,7 @@ impl Solver {
                 }
             }
         }
-        Ok(Some(state))
+        Ok(None)
     }
 
     /// The mode with the contact as stiff as it is in a harmonic motion of the first amplitude.

@@ -78,9 +78,9 @@ impl Network {
     pub fn lines(&self, omega: f64, order: usize, level: f64) -> Result<Lines, ForwardError> {
         self.check()?;
         let mut lines = Lines::zeros(omega, order, [self.channels.len(), self.forces.len()]);
-        let mut receptance = Vec::new();
+        let (products, mut receptance) = (self.products(), Vec::new());
         for h in 0..=order {
-            self.receptances(h as f64 * omega, &mut receptance);
+            self.sum_modes(h as f64 * omega, &products, &mut receptance);
             self.fill(h, level, &receptance, &mut lines);
         }
         Ok(lines)
@@ -100,25 +100,45 @@ impl Network {
         Ok(())
     }
 
+    /// Products of the mode shapes at two ports, mode by mode for all pairs `j ≤ i`.
+    fn products(&self) -> Vec<f64> {
+        let (structure, size) = (&self.structure, self.structure.port_count());
+        let mut products = Vec::with_capacity(structure.mode_count() * size * (size + 1) / 2);
+        for n in 0..structure.mode_count() {
+            for i in 0..size {
+                let left = structure.row(i)[n];
+                products.extend((0..=i).map(|j| left * structure.row(j)[n]));
+            }
+        }
+        products
+    }
+
     /// Receptances of all ports at one frequency (rad/s), row by row: modes, then the supports, each of rank one.
     pub fn receptances(&self, omega: f64, matrix: &mut Vec<Complex64>) {
+        self.sum_modes(omega, &self.products(), matrix);
+    }
+
+    fn sum_modes(&self, omega: f64, products: &[f64], matrix: &mut Vec<Complex64>) {
         let (structure, size) = (&self.structure, self.structure.port_count());
         matrix.clear();
         matrix.resize(size * size, Complex64::ZERO);
-        let modes = structure.natural_frequency().iter().zip(structure.damping_ratio()).enumerate();
-        for (n, (natural, ratio)) in modes {
+        let pairs = size * (size + 1) / 2;
+        // Real and imaginary parts apart: sums over pairs side by side.
+        let [mut real, mut imaginary] = [vec![0.0; pairs], vec![0.0; pairs]];
+        let modes = structure.natural_frequency().iter().zip(structure.damping_ratio());
+        for ((natural, ratio), products) in modes.zip(products.chunks_exact(pairs.max(1))) {
             let damping = 2.0 * ratio * natural - self.feed;
             let modal = Complex64::new(natural * natural - omega * omega, damping * omega).inv();
-            for i in 0..size {
-                let left = modal * structure.row(i)[n];
-                for j in 0..=i {
-                    matrix[i * size + j] += left * structure.row(j)[n];
-                }
+            for ((re, im), product) in real.iter_mut().zip(&mut imaginary).zip(products) {
+                *re += modal.re * product;
+                *im += modal.im * product;
             }
         }
+        let mut sums = real.iter().zip(&imaginary).map(|(re, im)| Complex64::new(*re, *im));
         for i in 0..size {
-            for j in 0..i {
-                matrix[j * size + i] = matrix[i * size + j];
+            for (j, sum) in (0..=i).zip(&mut sums) {
+                matrix[i * size + j] = sum;
+                matrix[j * size + i] = sum;
             }
         }
         for support in &self.supports {

@@ -43,11 +43,11 @@ pub(super) fn close(
     orbit.forces.resize(samples * element.forces(), 0.0);
     element.start(motion, &mut orbit.states[..m]);
     let mut closure = Closure { mismatch: f64::INFINITY };
-    for period in 0..PLAIN_PERIODS {
-        if period > 0 {
-            restart(orbit, m, samples);
-        }
-        element.march(motion, period > 0, orbit);
+    element.march(motion, false, orbit);
+    for _ in 1..PLAIN_PERIODS {
+        // A period that has closed is met at its first step.
+        restart(orbit, m, samples);
+        element.march(motion, true, orbit);
         closure = mismatch(orbit, m, samples);
         if closure.closed() {
             return closure;

@@ -279,7 +279,9 @@ fn backbone(
     if options.backbone == 0 {
         return Ok(Vec::new());
     }
-    let peaks = levels.iter().map(|level| level.points.iter().map(|p| p.slip).fold(0.0, f64::max));
+    // A level without a start has no peak.
+    let followed = levels.iter().filter(|level| !level.points.is_empty());
+    let peaks = followed.map(|level| level.points.iter().map(|p| p.slip).fold(0.0, f64::max));
     let smallest = 0.5 * peaks.fold(f64::INFINITY, f64::min);
     let frequency = network.structure.natural_frequency();
     let mode = frequency.iter().rposition(|&w| w <= 1.02 * peak.omega).unwrap_or(0);
