@@ -188,25 +188,29 @@ fn bounded_laws_stay_below_the_largest_coefficient() {
     }
 }
 
+/// The motion along which steps are refined; a force that jumps by a rule from sample to sample needs one that is fast for the mass
+/// in it.
+fn refined(law: Law, count: usize) -> Samples {
+    let samples = Samples::new(count);
+    if law.claims().jumps { samples.changed(1e-3, 1e-3) } else { samples }
+}
+
+/// Root mean square of the distance from forces of finer steps, in units of the normal force; of forces that jump, which are
+/// right but for the steps beside their jumps, the mean.
+fn step_error(law: Law, coarse: &[f64], fine: &[f64]) -> f64 {
+    let (stride, power) = (fine.len() / coarse.len(), if law.claims().jumps { 1 } else { 2 });
+    let apart = coarse.iter().zip(fine.iter().step_by(stride)).map(|(c, f)| (c - f).abs() / NORMAL);
+    let mean = apart.map(|error| error.powi(power)).sum::<f64>() / coarse.len() as f64;
+    mean.powf(1.0 / f64::from(power))
+}
+
 #[test]
 fn refining_the_step_converges() {
     for law in Law::ALL {
-        // A force that jumps is right but for the steps beside its jumps; the motion is as fast as the mass in it needs.
-        let jumps = law.claims().jumps;
-        let samples = |count: usize| {
-            if jumps { Samples::new(count).changed(1e-3, 1e-3) } else { Samples::new(count) }
-        };
-        let fine = samples(1 << 14).loop_force(*law);
-        let error = |count: usize| {
-            let coarse = samples(count).loop_force(*law);
-            let stride = fine.len() / count;
-            let apart = coarse.iter().enumerate().map(|(k, f)| (f - fine[k * stride]).abs() / NORMAL);
-            let power = if jumps { 1 } else { 2 };
-            let mean = apart.map(|error| error.powi(power)).sum::<f64>() / count as f64;
-            mean.powf(1.0 / f64::from(power))
-        };
-        let (coarse, middle) = (error(128), error(512));
-        let order = if jumps { 0.85 } else { 1.7 };
+        let force = |count: usize| refined(*law, count).loop_force(*law);
+        let fine = force(1 << 14);
+        let [coarse, middle] = [128, 512].map(|count| step_error(*law, &force(count), &fine));
+        let order = if law.claims().jumps { 0.85 } else { 1.7 };
         // Below 2e-7 of N: the Runge-Kutta strides across the kinks of Bouc-Wen and of the break-away zone.
         let falls = middle < coarse / 4.0_f64.powf(order) || middle < 2e-7;
         assert!(falls, "{}: {coarse:.2e} {middle:.2e}", law.name());
