@@ -23,6 +23,17 @@ pub enum Family {
 pub const LAW_PARAMETERS: [&str; 10] =
     ["sigma0", "mu_k", "exponent", "sigma1", "v_d", "sigma2", "mu_s", "v_s", "delta", "breakaway"];
 
+/// Parameters that are a hook of the law as they are.
+const HOOKS: [(&str, Hook); 7] = [
+    ("exponent", Hook::Exponent),
+    ("sigma1", Hook::Sigma1),
+    ("v_d", Hook::DampingVelocity),
+    ("sigma2", Hook::Viscous),
+    ("v_s", Hook::StribeckVelocity),
+    ("delta", Hook::StribeckExponent),
+    ("breakaway", Hook::Breakaway),
+];
+
 impl Family {
     /// All laws, simple ones first.
     pub const ALL: [Self; 5] = [Self::Coulomb, Self::Stribeck, Self::Dahl, Self::LuGre, Self::Hybrid];
@@ -65,10 +76,49 @@ impl Family {
         }
     }
 
+    /// Whether it is the other law with more parameters, so that a fit of the other is a start of its own. Stribeck contains
+    /// Coulomb, and LuGre Dahl with exponent 1; the hybrid law, elastic when unloaded, is near LuGre but never it.
+    #[must_use]
+    pub fn extends(self, other: Self) -> bool {
+        let pairs = [(Self::Stribeck, Self::Coulomb), (Self::LuGre, Self::Dahl), (Self::Hybrid, Self::LuGre)];
+        pairs.contains(&(self, other))
+    }
+
+    /// Values of this law nearest to another law with the given values: what both have, neutral values of what only this one
+    /// has (no damping, no rise at rest), and for speeds and exponents, which are idle then, those of `typical`.
+    #[must_use]
+    pub fn nearest(self, (other, values): (Self, &[f64]), typical: &[f64]) -> Vec<f64> {
+        let of = |name: &str| {
+            let place = other.parameter_names().iter().position(|n| *n == name);
+            place.and_then(|j| values.get(j).copied())
+        };
+        let neutral = |name: &str, typical: f64| match name {
+            "sigma1" | "sigma2" | "breakaway" => 0.0,
+            "exponent" => 1.0,
+            "mu_s" => of("mu_k").unwrap_or(typical),
+            _ => typical,
+        };
+        let names = self.parameter_names().iter().zip(typical);
+        names.map(|(name, typical)| of(name).unwrap_or_else(|| neutral(name, *typical))).collect()
+    }
+
     /// Its parameters around typical values, with the experiment that tells each.
     #[must_use]
     pub fn parameters(self, typical: &[f64]) -> Vec<Parameter> {
         self.parameter_names().iter().zip(typical).map(|(name, value)| parameter(name, *value)).collect()
+    }
+
+    /// The parameter values of a law: the other way than [`Self::law`].
+    #[must_use]
+    pub fn values(self, law: &ModifiedLaw<f64>) -> Vec<f64> {
+        let of = |hook: Hook| law.get(hook).unwrap_or_default();
+        let value = |name: &&str| match *name {
+            "sigma0" => of(Hook::Sigma0),
+            "mu_k" => of(Hook::MuKinetic),
+            "mu_s" => of(Hook::MuKinetic) + of(Hook::StribeckRise),
+            other => HOOKS.iter().find(|(name, _)| *name == other).map_or(0.0, |(_, hook)| of(*hook)),
+        };
+        self.parameter_names().iter().map(value).collect()
     }
 
     /// The law with these parameter values.
@@ -80,16 +130,7 @@ impl Family {
         };
         let kinetic = value("mu_k").unwrap_or_else(|| T::from(0.0));
         let mut law = ModifiedLaw::dahl(value("sigma0").unwrap_or_else(|| T::from(1.0)), kinetic);
-        let hooks = [
-            ("exponent", Hook::Exponent),
-            ("sigma1", Hook::Sigma1),
-            ("v_d", Hook::DampingVelocity),
-            ("sigma2", Hook::Viscous),
-            ("v_s", Hook::StribeckVelocity),
-            ("delta", Hook::StribeckExponent),
-            ("breakaway", Hook::Breakaway),
-        ];
-        for (name, hook) in hooks {
+        for (name, hook) in HOOKS {
             if let Some(value) = value(name) {
                 law.set(hook, value);
             }

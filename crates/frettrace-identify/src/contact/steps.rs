@@ -9,6 +9,9 @@ use crate::{FitSettings, IdentifyError, IdentifySettings, Model, fit, fit_from_m
 pub struct ContactSettings {
     /// Starts of the last step.
     pub starts: usize,
+    /// Laws fitted to the same histories, with their values: the last step starts from each of them too, so that a law which
+    /// contains another one does not come out worse.
+    pub fitted: Vec<(Family, Vec<f64>)>,
     /// What is fitted beside the law.
     pub extras: Extras,
     /// Settings of the fit.
@@ -19,7 +22,13 @@ pub struct ContactSettings {
 
 impl Default for ContactSettings {
     fn default() -> Self {
-        Self { starts: 16, extras: Extras::default(), fit: FitSettings::default(), profiles: true }
+        Self {
+            starts: 16,
+            fitted: Vec::new(),
+            extras: Extras::default(),
+            fit: FitSettings::default(),
+            profiles: true,
+        }
     }
 }
 
@@ -93,10 +102,14 @@ fn last_step(
     let spread: Vec<f64> = model.parameters().iter().map(|p| spread(&p.name)).collect();
     let scattered = starts(model.parameters(), &start, &spread, settings.starts);
     let heats = fit_from_many(&model, &scattered, &SPRINT)?;
-    let (lanes, agreement) = distinct(&model, &heats);
+    let (mut lanes, agreement) = distinct(&model, &heats);
+    let law = family.parameter_names().len();
+    lanes.extend(settings.fitted.iter().map(|(other, values)| {
+        let own = family.nearest((*other, values), typical);
+        [&own[..], &start[law..]].concat()
+    }));
     let finals = fit_from_many(&model, &lanes, &settings.fit)?;
     let first = finals.best().values.clone();
-    let law = family.parameter_names().len();
     let others = finals.fits[1..].iter().map(|f| f.values[..law].to_vec()).collect();
     model.set_weights(noise::weights(&model, &first));
     let best = fit(&model, &first, &settings.fit)?;

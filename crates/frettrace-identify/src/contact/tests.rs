@@ -150,6 +150,25 @@ fn dahl_is_found_in_exact_loops() {
     assert!(fit.error < 1e-4, "{}", fit.error);
 }
 
+/// What another law makes, the law that contains it makes too, and started there it leaves no more: here what the step of the
+/// law leaves (as above).
+#[test]
+fn a_law_that_contains_another_is_no_worse() {
+    let loops = ladder(&DAHL, 50.0);
+    let used: Vec<_> = loops.iter().collect();
+    let dahl = [4.0e5, 0.3, 1.0];
+    let lugre = Family::LuGre.nearest((Family::Dahl, &dahl), &[1.0; 8]);
+    assert_eq!(lugre, [4.0e5, 0.3, 0.0, 1.0, 0.0, 0.3, 1.0, 1.0]);
+    let back = Family::LuGre.values(&Family::LuGre.law(&lugre));
+    assert!(back.iter().zip(&lugre).all(|(a, b)| (a - b).abs() < 1e-12 * b.max(1.0)), "{back:?}");
+    let settings = ContactSettings { starts: 1, profiles: false, ..ContactSettings::default() };
+    let smaller = identify_contact(Family::Dahl, &used, &settings).unwrap();
+    let fitted = vec![(Family::Dahl, smaller.law_values())];
+    let larger =
+        identify_contact(Family::LuGre, &used, &ContactSettings { fitted, ..settings.clone() }).unwrap();
+    assert!(larger.error < 1e-4 && smaller.error < 1e-4, "{} {}", larger.error, smaller.error);
+}
+
 #[test]
 fn lugre_is_found_in_exact_loops() {
     let truth = Truth { sigma1: 20.0, v_d: 2e-3, sigma2: 40.0, mu_s: 0.4, v_s: 1e-3, ..DAHL };

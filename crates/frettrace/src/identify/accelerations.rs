@@ -63,7 +63,7 @@ pub(super) fn identify(
     recover_aperiodic(&mut declared, measurement)?;
     progress.step();
     let mut notes = Vec::new();
-    let mut joints = Vec::new();
+    let mut joints: Vec<Joint> = Vec::new();
     let mut unsolved = None;
     let conditions = conditions(measurement);
     let declared = Case { law: families[0], ..declared };
@@ -77,7 +77,10 @@ pub(super) fn identify(
     for start in promising(starts((&declared, &first, &blank), families, progress)?, &mut notes) {
         let loops = start.loops.clone();
         let case = Case { law: start.family, ..declared.clone() };
-        match study_of(&case, &first).and_then(|study| one_law(study, start, &conditions)) {
+        let fitted: Vec<(Family, &Setting)> =
+            joints.iter().map(|joint| (joint.family, &joint.fitted.setting)).collect();
+        let fitted = near(start.family, &fitted, &start.settings[0]);
+        match study_of(&case, &first).and_then(|study| one_law(study, (start, &fitted), &conditions)) {
             Ok(joint) => joints.push(joint),
             Err(error) => unsolved = unsolved.or(Some((loops, error))),
         }
@@ -124,9 +127,9 @@ fn starts(
     progress: &Progress,
 ) -> Result<Vec<Start>, StudyError> {
     let loops = Loops::new(declared, first, blank)?;
-    let mut starts = Vec::new();
+    let mut starts: Vec<Start> = Vec::new();
     for family in families {
-        starts.push(from_loops((*family, families.len() > 1), &loops, blank)?);
+        starts.push(from_loops((*family, families.len() > 1), (&loops, &starts), blank)?);
         progress.step();
     }
     Ok(starts)
@@ -149,14 +152,14 @@ fn promising(starts: Vec<Start>, notes: &mut Vec<String>) -> Vec<Start> {
 /// Step (v) for one law.
 fn one_law(
     (mut study, own): (Study<'_>, Setting),
-    start: Start,
+    (start, fitted): (Start, &[Setting]),
     conditions: &[Condition],
 ) -> Result<Joint, StudyError> {
     // Where the contact sticks a recovered slip is noise: a law without memory starts from what slides.
     let leading = if start.family.is_static() { vec![own.clone()] } else { Vec::new() };
     let found = start.settings.iter().map(|s| Setting { law: s.law, ..own.clone() });
     let settings: Vec<Setting> = leading.into_iter().chain(found).collect();
-    let found = joint::fit(&mut study, &settings)?;
+    let found = joint::fit(&mut study, &settings, fitted)?;
     let judgement = judged::judged(&study, &found, conditions)?;
     let (fitted, aperiodic) = (found.fitted, found.aperiodic.runs);
     let (identified, tests) = (judgement.identified, judgement.tests);
@@ -181,11 +184,12 @@ const STARTS: usize = 16;
 /// recovered velocity is noise, and the bristle knows what to do there. In a comparison it must stand for itself.
 fn from_loops(
     (family, compared): (Family, bool),
-    loops: &Loops,
+    (loops, others): (&Loops, &[Start]),
     blank: &Setting,
 ) -> Result<Start, StudyError> {
     let bristle = if compared { family } else { bristle(family) };
-    let settings = ContactSettings { starts: STARTS, profiles: false, ..ContactSettings::default() };
+    let fitted = others.iter().map(|other| (other.loops.family, other.loops.law_values())).collect();
+    let settings = ContactSettings { starts: STARTS, fitted, profiles: false, ..ContactSettings::default() };
     let first: Vec<&ContactHistory> = loops.histories.iter().chain(&loops.open).collect();
     let rough = identify_contact(bristle, &first, &settings)?;
     let filled = loops.filled(&rough);
@@ -209,6 +213,18 @@ fn bristle(family: Family) -> Family {
         Family::Stribeck => Family::LuGre,
         other => other,
     }
+}
+
+/// The joint fits of laws that this one extends, as starts: law and structure of the fit, and neutral values (those of
+/// `typical` where they are idle) for what only this law has.
+fn near(family: Family, fitted: &[(Family, &Setting)], typical: &Setting) -> Vec<Setting> {
+    let smaller = fitted.iter().filter(|(other, _)| family.extends(*other));
+    smaller
+        .map(|(other, setting)| {
+            let own = family.nearest((*other, &other.values(&setting.law)), &family.values(&typical.law));
+            Setting { law: interior(family.law(&own)), ..(*setting).clone() }
+        })
+        .collect()
 }
 
 /// The law that leaves least of recovered motion and force where no run is periodic.

@@ -36,9 +36,11 @@ pub(super) fn identify(
     let prepared = prepare(record);
     progress.step();
     let training: Vec<&ContactHistory> = prepared.training.iter().collect();
-    let mut fits = Vec::new();
+    let mut fits: Vec<ContactFit> = Vec::new();
     for family in families {
-        fits.push(identify_contact(*family, &training, &prepared.settings)?);
+        let fitted = fits.iter().map(|fit| (fit.family, fit.law_values())).collect();
+        let settings = ContactSettings { fitted, ..prepared.settings.clone() };
+        fits.push(identify_contact(*family, &training, &settings)?);
         progress.step();
     }
     progress.finish();

@@ -60,8 +60,12 @@ impl Found {
 }
 
 /// The best joint fit. Runs whose balance does not close at the start join once the others have improved the law; those
-/// that still do not close are taken out of the training runs.
-pub(super) fn fit(study: &mut Study<'_>, starts: &[Setting]) -> Result<Found, StudyError> {
+/// that still do not close are taken out of the training runs. `smaller` are fits of laws that this one extends.
+pub(super) fn fit(
+    study: &mut Study<'_>,
+    starts: &[Setting],
+    smaller: &[Setting],
+) -> Result<Found, StudyError> {
     let fine = study.model.runs.clone();
     let is_coarse = coarsen(study)?;
     let mut fitted = by_lines(study, starts)?;
@@ -71,6 +75,10 @@ pub(super) fn fit(study: &mut Study<'_>, starts: &[Setting]) -> Result<Found, St
         study.training = if few.is_empty() { study.training.clone() } else { few };
         let (setting, unknowns) = (fitted.setting, fitted.unknowns);
         fitted = study.fit(setting, &unknowns, &study.model.memory(), POLISH)?;
+    }
+    for start in smaller {
+        let again = study.fit(start.clone(), &fitted.unknowns, &study.model.memory(), POLISH);
+        fitted = again.ok().filter(|again| again.fit.cost < fitted.fit.cost).unwrap_or(fitted);
     }
     let aperiodic = Aperiodic::new(study, &fitted.setting)?;
     let mut found = Found { fitted, support: None, aperiodic, normal_doubt: 0.0 };
