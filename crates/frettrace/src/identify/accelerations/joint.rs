@@ -20,6 +20,8 @@ const MORE_STARTS: usize = 4;
 /// Starts that are tried together then, the better of which is followed to its end, and how often that is done.
 const TOGETHER: usize = 3;
 const ROUNDS: usize = 3;
+/// Standard deviations within which two fits are one.
+const SAME: f64 = 3.0;
 /// Share of a line, and ten times that of the loudest line, to which it counts at first.
 const SOFT: f64 = 0.02;
 /// Linearisations of each of them: what is not near by then is not worth more.
@@ -116,13 +118,24 @@ fn by_lines(study: &mut Study<'_>, starts: &[Setting]) -> Result<Fitted, StudyEr
     }
     let closed = closing(study, &fitted.setting, &all);
     if closed.len() > study.training.len() {
+        let left = fitted.fit.data_cost / study.residual_count().max(1) as f64;
         let few = std::mem::replace(&mut study.training, closed);
-        match fit_training(study, &[fitted.setting.clone()]) {
+        match joined(study, &fitted, left) {
             Ok(better) => fitted = better,
             Err(_) => study.training = few,
         }
     }
     Ok(fitted)
+}
+
+/// A fit with the runs that joined: where it leaves no more than the fit to the others (χ² per residual), it is not searched anew.
+fn joined(study: &mut Study<'_>, before: &Fitted, left: f64) -> Result<Fitted, StudyError> {
+    let memory = study.model.memory();
+    let enough = left.max(DOUBTFUL) * study.residual_count() as f64;
+    match study.fit(before.setting.clone(), &before.unknowns, &memory, MOST_ITERATIONS) {
+        Ok(found) if found.fit.data_cost <= enough => Ok(found),
+        _ => fit_training(study, &[before.setting.clone()]),
+    }
 }
 
 /// Takes the lines above [`COARSE`] of the excitation away: a fit far from its minimum needs none of them, and the balance of
@@ -212,16 +225,28 @@ fn fit_training(study: &mut Study<'_>, starts: &[Setting]) -> Result<Fitted, Stu
     for few in others.chunks(TOGETHER).take(ROUNDS) {
         let Some(start) = smoothed(study, few, &unknowns).into_iter().next() else { continue };
         let Ok(found) = study.fit(start, &unknowns, &memory, MOST_ITERATIONS) else { continue };
+        let again = best.as_ref().is_ok_and(|best| is_same(best, &found));
         if best.as_ref().is_ok_and(|best| best.fit.cost <= found.fit.cost) {
+            if again {
+                break;
+            }
             continue;
         }
-        let done = found.fit.data_cost < enough;
+        let done = again || found.fit.data_cost < enough;
         best = Ok(found);
         if done {
             break;
         }
     }
     Ok(best?)
+}
+
+/// Whether two fits from different starts ended in one minimum: every parameter of the law within three standard deviations of
+/// the noise, χ² above its expectation included. What it leaves is then the model's, not the search's.
+fn is_same(one: &Fitted, other: &Fitted) -> bool {
+    let law = one.unknowns.iter().enumerate().filter(|(_, u)| matches!(u.quantity, Quantity::Law(_)));
+    let near = |(j, std): (usize, f64)| (one.fit.values[j] - other.fit.values[j]).abs() <= SAME * std;
+    law.filter_map(|(j, _)| Some((j, *one.deviation.get(j)?))).all(near)
 }
 
 /// Fits from some starts to lines that count by their size and not only by their noise, best first: where a line is
