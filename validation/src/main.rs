@@ -30,6 +30,9 @@ enum Table {
         /// Number of rigs
         #[arg(default_value_t = 200)]
         rigs: u64,
+        /// Seed of the first
+        #[arg(long, default_value_t = 0)]
+        first: u64,
     },
     /// The hypotheses of the modes
     Hypotheses,
@@ -90,7 +93,7 @@ fn main() -> anyhow::Result<ExitCode> {
 
 fn run_table(table: &Table) -> anyhow::Result<String> {
     match table {
-        Table::Bands { rigs } => cases::verify_reconstruction_bands::table(*rigs),
+        Table::Bands { rigs, first } => cases::verify_reconstruction_bands::table(*first..first + rigs),
         Table::Hypotheses => cases::verify_mode_hypotheses::table(),
         Table::Splines => cases::compare_splines::table(),
         Table::Sweep(extent) => {

@@ -6,12 +6,13 @@ use crate::case::{Case, Outcome, Row};
 use frettrace_inverse::{Channel, Options, reconstruct};
 use marched::Draw;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// The case.
 pub const CASE: Case = Case { name: "verify_reconstruction_bands", run };
 
 /// Rigs of a run of all cases; [`table`] takes more.
-const FEW: u64 = 24;
+const FEW: u64 = 96;
 
 /// Coverage of friction force, slip and slip velocity of one rig.
 struct Covered {
@@ -20,25 +21,25 @@ struct Covered {
 }
 
 fn run() -> anyhow::Result<Outcome> {
-    let all = covered(FEW)?;
+    let all = covered(0..FEW)?;
     let rows = ["friction force", "slip", "slip velocity"].iter().enumerate().map(|(c, name)| Row {
         quantity: format!("{name}: samples within the band of 95 %"),
         unit: "1",
-        source: "the promise; 200 rigs are in the case's README",
+        source: "the promise; 600 rigs are in the case's README",
         expected: Some(0.94),
         found: mean(all.iter().map(|rig| rig.inside[c])),
-        tolerance: 0.06,
-        reason: "target 0.90 to 0.98; the mean of 24 rigs that spread by 0.1 scatters by 0.02",
+        tolerance: 0.04,
+        reason: "target 0.90 to 0.98; where one error leads, as the contact's compliance does the slip's, a rig is in or out as a whole, and the mean of 96 scatters by 0.02",
     });
     Ok(Outcome::Ran(rows.collect()))
 }
 
-/// The table over many rigs: all of them, by noise, by sensors, by placement.
+/// The table over the rigs of some seeds: all of them, by noise, by sensors, by placement.
 ///
 /// # Errors
 /// Where a rig cannot be made or reconstructed.
-pub fn table(rigs: u64) -> anyhow::Result<String> {
-    let all = covered(rigs)?;
+pub fn table(seeds: Range<u64>) -> anyhow::Result<String> {
+    let all = covered(seeds)?;
     let mut text =
         "| rigs | number | friction force | slip | slip velocity |\n|---|---|---|---|---|\n".to_owned();
     let mut row = |name: &str, chosen: &dyn Fn(&Draw) -> bool| {
@@ -64,8 +65,8 @@ pub fn table(rigs: u64) -> anyhow::Result<String> {
     Ok(text)
 }
 
-fn covered(rigs: u64) -> anyhow::Result<Vec<Covered>> {
-    (0..rigs).into_par_iter().map(one).collect()
+fn covered(seeds: Range<u64>) -> anyhow::Result<Vec<Covered>> {
+    seeds.into_par_iter().map(one).collect()
 }
 
 fn one(seed: u64) -> anyhow::Result<Covered> {

@@ -134,7 +134,7 @@ fn joined(study: &mut Study<'_>, before: &Fitted, left: f64) -> Result<Fitted, S
     let enough = left.max(DOUBTFUL) * study.residual_count() as f64;
     match study.fit(before.setting.clone(), &before.unknowns, &memory, MOST_ITERATIONS) {
         Ok(found) if found.fit.data_cost <= enough => Ok(found),
-        _ => fit_training(study, &[before.setting.clone()]),
+        _ => fit_training(study, std::slice::from_ref(&before.setting)),
     }
 }
 
