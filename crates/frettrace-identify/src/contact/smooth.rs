@@ -132,7 +132,7 @@ mod tests {
     }
 
     /// A sine of ten samples a period: its third differences are a twentieth of it, `(2 sin 18°)³/√20`; its noise of a
-    /// thousandth is found all the same, to the tenth that the median of 300 samples allows.
+    /// thousandth is found all the same, to less than a half.
     #[test]
     fn a_fast_motion_is_no_noise() {
         let mut generator = rand_pcg::Pcg64::seed_from_u64(1);
