@@ -132,7 +132,9 @@ fn halved_steps_are_worth_eight_times_the_steps() {
     }
 }
 
-/// The balance holds the force on samples and lets go between them: 9e-5 to 2e-4 of the motion, falling with its order.
+/// The balance is 9e-5 and 1.2e-4 of the motion off at order 255, 1e-3 at 63, 2e-4 at 127 and (6 N) 1.3e-4 at 511, with 4 to 32 samples a
+/// line alike and with Newton's tolerance 200 times tighter. The error is its own: the march moves by 3e-6 to 5e-6 from 512 steps
+/// to 2048 and by 1e-7 from 1024 on, and without friction both agree to 3e-8.
 #[test]
 fn the_march_is_the_rigid_balance() {
     for force in FORCES {
