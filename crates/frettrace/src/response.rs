@@ -123,6 +123,9 @@ const MODES: usize = 40;
 const COARSE_MODES: usize = 6;
 /// Samples a period for each line.
 const SAMPLES_A_LINE: usize = 8;
+/// The same for a law without memory that turns within a small velocity: some samples must fall inside it, or the friction
+/// turns by whole samples.
+const SAMPLES_A_LINE_OF_TURNS: usize = 64;
 /// A contact without presliding is given a bristle this much stiffer than the beam at its slip.
 const RIGID: f64 = 300.0;
 /// Points of the backbone.
@@ -163,7 +166,7 @@ pub fn response(
         attached: locals.iter().map(|(port, element)| (*port, element as &dyn Element)).collect(),
         sensors: simulated.sensors.iter().map(|sensor| displacement(sensor.position)).collect(),
     };
-    let wanted = wanted(rig, options);
+    let wanted = wanted(rig, &simulated.law, options);
     progress.start(1, "following the responses");
     let found = hb::response(&beam, &wanted)?;
     progress.step();
@@ -171,7 +174,7 @@ pub fn response(
     Ok(described(&simulated, found))
 }
 
-fn wanted(rig: &Rig, options: &ResponseOptions) -> Wanted {
+fn wanted(rig: &Rig, law: &SimulatedLaw, options: &ResponseOptions) -> Wanted {
     let mut levels: Vec<f64> =
         rig.runs.iter().flat_map(|run| run.force_amplitude_n.iter().copied()).collect();
     levels.sort_by(f64::total_cmp);
@@ -181,7 +184,9 @@ fn wanted(rig: &Rig, options: &ResponseOptions) -> Wanted {
         0.8 * frequencies().fold(f64::INFINITY, f64::min),
         1.2 * frequencies().fold(0.0, f64::max),
     ]);
-    let samples = (SAMPLES_A_LINE * (options.order + 1)).next_power_of_two();
+    let turns = matches!(law, SimulatedLaw::Declared(model) if model.named().contains_key("v_ref"));
+    let samples_a_line = if turns { SAMPLES_A_LINE_OF_TURNS } else { SAMPLES_A_LINE };
+    let samples = (samples_a_line * (options.order + 1)).next_power_of_two();
     Wanted {
         levels,
         range: [TAU * low, TAU * high],
@@ -192,8 +197,18 @@ fn wanted(rig: &Rig, options: &ResponseOptions) -> Wanted {
     }
 }
 
-/// Effects that a periodic response at the excitation's frequency, with the linear support spring, does not carry.
+/// What a periodic response at the excitation's frequency, with the linear support spring, does not carry: effects, and the
+/// force balance, which has no force for a motion apart from the time step it is marched with.
 fn refuse(rig: &Rig, simulated: &SimulatedRig) -> Result<(), StudyError> {
+    if let SimulatedLaw::Declared(FrictionModel::Fbfm(_)) = &simulated.law {
+        return Err(StudyError::RigValue {
+            path: std::path::PathBuf::new(),
+            place: "support.law".to_owned(),
+            found: "fbfm".to_owned(),
+            allowed: "every other law: a balance of forces is a rule from time step to time step, which simulate marches"
+                .to_owned(),
+        });
+    }
     let normal = simulated.normal;
     let normal = normal.lifts_off || normal.cubic != 0.0 || normal.sharpness != 0.0;
     let foreign = matches!(simulated.law, SimulatedLaw::Foreign(_));
