@@ -216,26 +216,14 @@ impl Study<'_> {
             .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         few_of_each(&mut order, |pair| forms[pairs[pair].0].0);
-        let look = |part: &[(f64, usize)]| -> Vec<(ContactCandidate, usize)> {
-            let one = |&(_, pair): &(f64, usize)| {
+        let mut looked: Vec<(ContactCandidate, usize)> = order
+            .par_iter()
+            .take(LOOK)
+            .filter_map(|&(_, pair)| {
                 let (k, law) = pairs[pair];
                 Some((tried(recovered, &forms[k], (law, 30))?, k))
-            };
-            part.par_iter().filter_map(one).collect()
-        };
-        let (first, mut rest) = (&order[..order.len().min(LOOK)], order[order.len().min(LOOK)..].to_vec());
-        let mut looked = look(first);
-        // Where none comes near, every other effect is looked at once: three steps may not have shown the right one.
-        if looked.iter().all(|(candidate, _)| candidate.reduced > POOR) {
-            let mut seen: Vec<usize> = looked.iter().map(|(candidate, _)| candidate.effect).collect();
-            rest.retain(|&(_, pair)| {
-                let effect = forms[pairs[pair].0].0;
-                let new = !seen.contains(&effect);
-                seen.push(effect);
-                new
-            });
-            looked.extend(look(&rest));
-        }
+            })
+            .collect();
         looked.sort_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
         let again = if looked.first().is_some_and(|(c, _)| c.reduced > POOR) && law_unknowns.len() > 2 {
             self.contact_restarts(recovered, setting, law_unknowns, &looked, &forms)
