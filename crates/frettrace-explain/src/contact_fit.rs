@@ -202,10 +202,10 @@ impl Recovered {
 
     /// RMS of the friction force over the mean normal force, and that over the RMS of the slip (1/m).
     fn sizes(&self) -> [f64; 2] {
-        let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+        let samples = self.slip.len() as f64;
         let force = (0.5 * self.force.iter().skip(1).map(Complex64::norm_sqr).sum::<f64>()).sqrt();
-        let slip = mean(&self.slip.iter().map(|u| u * u).collect::<Vec<_>>()).sqrt();
-        let share = force / mean(&self.normal).max(f64::MIN_POSITIVE);
+        let slip = (self.slip.iter().map(|u| u * u).sum::<f64>() / samples).sqrt();
+        let share = force / (self.normal.iter().sum::<f64>() / samples).max(f64::MIN_POSITIVE);
         [share, share / slip.max(f64::MIN_POSITIVE)]
     }
 }

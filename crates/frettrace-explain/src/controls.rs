@@ -12,9 +12,10 @@
 //! Runs that are not periodic have no lines to draw, and channels no faults: both are left out of what is drawn.
 
 use crate::effects::ALL;
+use crate::records::power;
 use crate::verdict::{Named, Outcome, Place, Verdict, explain};
 use crate::{Case, ExplainError, RunRecord, Unknown};
-use frettrace_forward::accelerations::{AccelerationModel, Memory, Prediction, Quantity, Setting};
+use frettrace_forward::accelerations::{AccelerationModel, Prediction, Quantity, Setting};
 use frettrace_friction::effects::Hook;
 use num_complex::Complex64;
 use rand_distr::{Distribution, StandardNormal};
@@ -125,23 +126,12 @@ fn left_out(case: &Case, outcome: &Outcome) -> Case {
 /// The case with predictions and noise in the place of its data; `None` where a run has no solution.
 fn drawn(clean: &Case, model: &AccelerationModel, setting: &Setting, mut random: Pcg64) -> Option<Case> {
     let runs: Vec<usize> = (0..clean.records.len()).collect();
-    let mut memory = model.memory();
-    let predicted = predictions(model, setting, &runs, &mut memory)?;
+    let predicted = model.approach(setting, &runs, &mut model.memory()).ok()?;
     let mut made = clean.clone();
     for (record, prediction) in made.records.iter_mut().zip(predicted) {
         redraw(record, prediction, &mut random);
     }
     Some(made)
-}
-
-fn predictions(
-    model: &AccelerationModel,
-    setting: &Setting,
-    runs: &[usize],
-    memory: &mut Memory,
-) -> Option<Vec<Prediction>> {
-    model.approach(setting, runs, memory).ok()?;
-    model.predict(setting, runs, memory).ok()
 }
 
 fn redraw(record: &mut RunRecord, prediction: Prediction, random: &mut Pcg64) {
@@ -154,9 +144,7 @@ fn redraw(record: &mut RunRecord, prediction: Prediction, random: &mut Pcg64) {
             line + noise * *std
         });
         record.lines.acceleration[s] = noisy.collect();
-        let shares = record.lines.acceleration[s].iter().enumerate();
-        let power: f64 = shares.map(|(h, a)| a.norm_sqr() * if h == 0 { 1.0 } else { 0.5 }).sum();
-        record.power[s] = power + record.beside[s];
+        record.power[s] = power(record.lines.acceleration[s].iter().copied()) + record.beside[s];
         record.excess[s] = 0.0;
     }
 }

@@ -267,6 +267,11 @@ fn lessens(run: &RunSamples<'_>, trial: &Trial, lines: &Lines) -> bool {
     projected(&beside, lines).is_ok_and(|(left, _)| total(&left) < NOTICED * total(&trial.channels))
 }
 
+/// Mean square of what lines from the mean on make over a period.
+pub(crate) fn power(lines: impl Iterator<Item = Complex64>) -> f64 {
+    lines.enumerate().map(|(h, line)| line.norm_sqr() * if h == 0 { 1.0 } else { 0.5 }).sum()
+}
+
 fn mean_square(x: &[f64]) -> f64 {
     x.iter().map(|v| v * v).sum::<f64>() / x.len().max(1) as f64
 }

@@ -1,6 +1,7 @@
 //! The study: split, fits, errors.
 
 use crate::case::Scales;
+use crate::records::power;
 use crate::series_fit::SeriesContact;
 use crate::start;
 use crate::{AccelerationFit, Case, Clipped, RunRecord, Unknown};
@@ -228,8 +229,7 @@ impl<'a> Study<'a> {
                 let mut found = self.model.predict(&fitted.setting, &[run], &mut memory);
                 // Nothing was fitted to such a run, so that there is no solution of it to start from.
                 if found.is_err() && !self.training.contains(&run) {
-                    let near = self.model.approach(&fitted.setting, &[run], &mut memory);
-                    found = near.and_then(|()| self.model.predict(&fitted.setting, &[run], &mut memory));
+                    found = self.model.approach(&fitted.setting, &[run], &mut memory);
                 }
                 found.ok().and_then(|p| p.into_iter().next())
             })
@@ -246,9 +246,7 @@ impl<'a> Study<'a> {
             .map(|s| {
                 let missed = prediction.map_or(record.power[s], |p| {
                     let measured = &record.lines.acceleration[s];
-                    let lines: f64 = (measured.iter().zip(&p[s]).enumerate())
-                        .map(|(h, (a, b))| (a - b).norm_sqr() * if h == 0 { 1.0 } else { 0.5 })
-                        .sum();
+                    let lines = power(measured.iter().zip(&p[s]).map(|(a, b)| a - b));
                     record.clipped_error(s, &p[s]).unwrap_or(lines + record.beside[s])
                 });
                 RunError {

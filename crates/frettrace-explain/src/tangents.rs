@@ -65,7 +65,7 @@ impl Study<'_> {
             }
             let port =
                 Port { place: promise.place, law: PortLaw::Polynomial, coefficients: promise.coefficients };
-            let form = self.form(&current.fitted.setting, port, (promise.free, FREE));
+            let form = self.form(&current.fitted.setting, port, (promise.free, None));
             let left = current.fitted.fit.cost - promise.gain;
             found.push(BalanceCandidate {
                 effect: promise.effect,
@@ -99,7 +99,7 @@ impl Study<'_> {
         let beside = Beside::new(tangents);
         let left = beside.of(&residual.resize_vertically(rows, 0.0));
         let excess = (left.norm_squared() - lines as f64).max(f64::MIN_POSITIVE);
-        Some(Known { runs, rows, beside, left, excess })
+        Some(Known { runs, beside, left, excess })
     }
 
     /// What each smooth force at a place promises; `None` where the model has no answer there.
@@ -113,7 +113,7 @@ impl Study<'_> {
         let warm = current.fitted.memory.with_idle_port(index);
         let (_, jacobian) =
             linearised(&AccelerationFit::new(&self.model, setting, &unknowns, known.runs.clone(), warm))?;
-        let tangents = jacobian.resize_vertically(known.rows, 0.0);
+        let tangents = jacobian.resize_vertically(known.left.len(), 0.0);
         let promise = |&(id, free): &(&str, &'static [usize])| {
             let effect = ALL.iter().position(|e| e.id() == id)?;
             if !self.case.allows(id) || current.effects.contains(&effect) {
@@ -133,11 +133,9 @@ impl Study<'_> {
 /// What is free already, on the runs that are asked.
 struct Known {
     runs: Vec<usize>,
-    /// Residuals of the lines, and a row for each prior.
-    rows: usize,
     /// Projector beside its tangents.
     beside: Beside,
-    /// The residual beside them.
+    /// The residual beside them: lines, and a row for each prior.
     left: DVector<f64>,
     /// χ² of that above the noise.
     excess: f64,

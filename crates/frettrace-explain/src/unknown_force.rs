@@ -261,7 +261,7 @@ impl Study<'_> {
         &self,
         setting: &Setting,
         port: Port,
-        (free, thresholds): (&[usize], (f64, f64)),
+        (free, thresholds): (&[usize], Option<(f64, f64)>),
     ) -> StructureForm {
         let mut setting = setting.clone();
         setting.ports.push(port);

@@ -171,7 +171,8 @@ fn with_effects(seed: u64) -> Vec<Planned> {
 
 fn without_effect(seed: u64, index: usize) -> Planned {
     let law = LAWS[index % LAWS.len()];
-    let slip = if (index / LAWS.len()).is_multiple_of(2) { RigSlip::Rotation } else { RigSlip::Transverse };
+    let round = index / LAWS.len();
+    let slip = if round.is_multiple_of(2) { RigSlip::Rotation } else { RigSlip::Transverse };
     Planned {
         name: format!("clean {index} {law} {}", word(slip)),
         formula: None,
@@ -183,7 +184,8 @@ fn without_effect(seed: u64, index: usize) -> Planned {
             soft: false,
             preloads: index % 7 == 6,
             coloured: index / 2 % 2 == 1,
-            modes: modes(index),
+            // Every law meets every kind of modes.
+            modes: modes(round / 2),
         },
         seed: mixed(seed, 1_000_000 + index as u64),
     }
@@ -224,6 +226,16 @@ mod tests {
         assert_eq!(names.len(), sets.len());
         assert_eq!(sets, plan(1, 200));
         assert_ne!(sets, plan(2, 200));
+    }
+
+    /// The clean sets have every law with either slip and every kind of modes.
+    #[test]
+    fn clean_sets_mix_laws_slips_and_modes() {
+        let kinds =
+            |set: &Planned| format!("{} {:?} {:?}", set.choice.law, set.choice.slip, set.choice.modes);
+        let clean: BTreeSet<String> =
+            plan(1, 50).iter().filter(|set| set.formula.is_none()).map(kinds).collect();
+        assert_eq!(clean.len(), 5 * 2 * 3);
     }
 
     /// Every id that `explain` knows is in the sweep.

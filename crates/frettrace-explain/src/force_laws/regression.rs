@@ -1,6 +1,7 @@
 //! Coefficients of a law on recovered histories: linear ones by least squares, a threshold or power by a scan around it.
 
 use super::{History, Shape};
+use crate::effects::FREE;
 use frettrace_forward::accelerations::{COEFFICIENTS, PortLaw};
 use nalgebra::{DMatrix, DVector};
 
@@ -28,9 +29,9 @@ fn largest(histories: &[History], of: impl Fn(&History) -> &Vec<f64>) -> f64 {
     histories.iter().flat_map(|h| of(h).iter()).fold(0.0, |m: f64, x| m.max(x.abs()))
 }
 
-/// Range of the second coefficient of a law in which the law is what its name says.
-pub(crate) fn thresholds(histories: &[History], law: PortLaw) -> (f64, f64) {
-    match law {
+/// Range of the second coefficient of a law in which the law is what its name says; `None` where every value will do.
+pub(crate) fn thresholds(histories: &[History], law: PortLaw) -> Option<(f64, f64)> {
+    Some(match law {
         PortLaw::Yielding => {
             // A spring that yields in every run is a linear one: half of them must be left to show the cube. One that does not
             // yield below three times the motion is a cubic one.
@@ -47,18 +48,16 @@ pub(crate) fn thresholds(histories: &[History], law: PortLaw) -> (f64, f64) {
             (1e-2 * fastest, fastest)
         }
         PortLaw::Gap => (0.0, f64::INFINITY),
-        _ => (f64::NEG_INFINITY, f64::INFINITY),
-    }
+        _ => return None,
+    })
 }
 
 /// Range of a coefficient: nothing gives energy away or pulls where it should carry.
-pub(crate) fn range(law: PortLaw, coefficient: usize, thresholds: (f64, f64)) -> (f64, f64) {
-    let positive = dissipates(law, coefficient) || carries(law, coefficient);
-    let second = [PortLaw::Yielding, PortLaw::Power, PortLaw::Friction, PortLaw::Gap].contains(&law);
-    match coefficient {
-        1 if second => thresholds,
-        _ if positive => (0.0, f64::INFINITY),
-        _ => (f64::NEG_INFINITY, f64::INFINITY),
+pub(crate) fn range(law: PortLaw, coefficient: usize, thresholds: Option<(f64, f64)>) -> (f64, f64) {
+    match thresholds {
+        Some(range) if coefficient == 1 => range,
+        _ if dissipates(law, coefficient) || carries(law, coefficient) => (0.0, f64::INFINITY),
+        _ => FREE,
     }
 }
 
@@ -73,16 +72,14 @@ pub(crate) fn regress(histories: &[History], shape: &Shape) -> Option<Answer> {
     };
     // A threshold by scan over a ladder of sizes, then by golden section between the neighbours of the best.
     let falling = |top: f64| (0..THRESHOLDS).map(move |k| top * 0.97 * (0.82_f64).powi(k as i32));
-    let ladder: Vec<f64> = match (shape.law, thresholds(histories, shape.law)) {
+    let ladder: Vec<f64> = match thresholds(histories, shape.law) {
         // A stop may be pressed on at rest.
-        (PortLaw::Stop | PortLaw::Round, _) => {
-            falling(reach).chain(falling(-reach).collect::<Vec<_>>().into_iter().rev()).collect()
-        }
-        (PortLaw::Gap, _) => falling(reach).collect(),
-        (_, (low, high)) => {
+        None => falling(reach).chain(falling(-reach).collect::<Vec<_>>().into_iter().rev()).collect(),
+        Some((low, high)) if high.is_finite() => {
             let share = |k: usize| k as f64 / (THRESHOLDS - 1) as f64;
             (0..THRESHOLDS).map(|k| high * (low / high).powf(share(k))).collect()
         }
+        Some(_) => falling(reach).collect(),
     };
     let chi = |c: f64| linear_fit(histories, shape, (c, reach)).map_or(f64::INFINITY, |a| a.chi);
     let values: Vec<f64> = ladder.iter().map(|&c| chi(c)).collect();

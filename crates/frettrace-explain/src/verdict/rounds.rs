@@ -68,8 +68,10 @@ impl Search<'_> {
     /// Records what was tried and keeps the best.
     fn take_best(&mut self, current: &Explained, mut found: Vec<Explained>) -> Option<Explained> {
         found.iter_mut().for_each(|one| one.book(current));
-        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        let by_criterion = |a: &Explained, b: &Explained| a.criterion.total_cmp(&b.criterion);
+        found.sort_by(by_criterion);
         self.settle_close(&mut found);
+        found.sort_by(by_criterion);
         for one in &found {
             let Some(&effect) = one.effects.last() else { continue };
             let error = self.study.error(&one.fitted, &self.study.training).relative();
@@ -136,7 +138,6 @@ impl Search<'_> {
                 }
             }
             if found[0].complete() {
-                found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
                 return;
             }
         }
@@ -153,7 +154,6 @@ impl Search<'_> {
                 *found = finer;
             }
         }
-        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
     }
 
     /// Fits a simpler effect to its end where a richer one that contains it is complete and ahead: it may be so by its longer way.

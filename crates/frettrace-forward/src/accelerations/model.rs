@@ -129,17 +129,10 @@ impl AccelerationModel {
         selected: &[usize],
         memory: &mut Memory,
     ) -> Result<Vec<Prediction>, AccelerationError> {
-        let structure = Structure::new(&self.rig, setting)?;
-        self.each(selected, memory, |run, kept| {
-            let prepared = self.prepare(&structure, setting, run);
-            let evaluation = self.evaluation(structure.layout(), setting, &prepared, run);
-            solve(&evaluation, kept, self.tolerance).map_err(|left| not_balanced(run, left))?;
-            Ok(distort(evaluation.accelerations(&kept.unknowns), setting, self.runs[run].omega))
-        })
+        self.predict_by(setting, selected, memory, |e, kept, _| solve(e, kept, self.tolerance))
     }
 
-    /// Solutions of the selected runs from what was recovered of them, by a longer way than [`Self::predict`] goes: for a start
-    /// at which that finds none.
+    /// As [`Self::predict`], by a longer way where that finds no solution: from those of other runs, and from what was recovered.
     ///
     /// # Errors
     /// As [`Self::predict`].
@@ -148,16 +141,28 @@ impl AccelerationModel {
         setting: &Setting,
         selected: &[usize],
         memory: &mut Memory,
-    ) -> Result<(), AccelerationError> {
-        let structure = Structure::new(&self.rig, setting)?;
+    ) -> Result<Vec<Prediction>, AccelerationError> {
         let known = memory.clone();
+        self.predict_by(setting, selected, memory, |e, kept, run| {
+            let beside = self.nearest(run).into_iter().filter_map(|other| known.runs.get(other));
+            approach(e, kept, (beside, self.tolerance))
+        })
+    }
+
+    fn predict_by(
+        &self,
+        setting: &Setting,
+        selected: &[usize],
+        memory: &mut Memory,
+        solved: impl Fn(&Evaluation<'_>, &mut RunMemory, usize) -> Result<(), f64> + Sync,
+    ) -> Result<Vec<Prediction>, AccelerationError> {
+        let structure = Structure::new(&self.rig, setting)?;
         self.each(selected, memory, |run, kept| {
             let prepared = self.prepare(&structure, setting, run);
             let evaluation = self.evaluation(structure.layout(), setting, &prepared, run);
-            let beside = self.nearest(run).into_iter().filter_map(|other| known.runs.get(other));
-            approach(&evaluation, kept, (beside, self.tolerance)).map_err(|left| not_balanced(run, left))
-        })?;
-        Ok(())
+            solved(&evaluation, kept, run).map_err(|left| not_balanced(run, left))?;
+            Ok(distort(evaluation.accelerations(&kept.unknowns), setting, self.runs[run].omega))
+        })
     }
 
     /// The other runs, those of the nearest excitation first.

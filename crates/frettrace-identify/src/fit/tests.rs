@@ -63,24 +63,18 @@ impl Model for Decay {
     }
 }
 
-/// Rosenbrock's valley `r = (10 (y − x²), 1 − x)`: the minimum 0 is at (1, 1) (Rosenbrock 1960).
-struct Valley(Vec<Parameter>);
-
-impl Valley {
-    fn new(upper: f64) -> Self {
-        let linear = |name: &str, bounds| Parameter {
-            transform: Transform::Linear { scale: 1.0 },
-            ..Parameter::positive(name, "1", bounds)
-        };
-        Self(vec![linear("x", (-5.0, upper)), linear("y", (-5.0, 5.0))])
-    }
+/// Two residuals of two parameters, and their derivatives row by row.
+struct Pair {
+    parameters: [Parameter; 2],
+    residual: fn([f64; 2]) -> [f64; 2],
+    slopes: fn([f64; 2]) -> [f64; 4],
 }
 
-impl Model for Valley {
+impl Model for Pair {
     type Memory = ();
 
     fn parameters(&self) -> &[Parameter] {
-        &self.0
+        &self.parameters
     }
 
     fn residual_count(&self) -> usize {
@@ -89,8 +83,8 @@ impl Model for Valley {
 
     fn memory(&self) {}
 
-    fn residual(&self, p: &[f64], (): &mut (), r: &mut [f64]) -> Result<(), NoSolution> {
-        r.copy_from_slice(&[10.0 * (p[1] - p[0] * p[0]), 1.0 - p[0]]);
+    fn residual(&self, p: &[f64], (): &mut (), residual: &mut [f64]) -> Result<(), NoSolution> {
+        residual.copy_from_slice(&(self.residual)([p[0], p[1]]));
         Ok(())
     }
 
@@ -101,16 +95,28 @@ impl Model for Valley {
         memory: &mut (),
         (residual, jacobian): (&mut [f64], &mut DMatrix<f64>),
     ) -> Result<(), NoSolution> {
-        self.residual(p, memory, residual)?;
-        jacobian.copy_from_slice(&[-20.0 * p[0], -1.0, 10.0, 0.0]);
-        Ok(())
+        jacobian.copy_from(&DMatrix::from_row_slice(2, 2, &(self.slopes)([p[0], p[1]])));
+        self.residual(p, memory, residual)
+    }
+}
+
+/// Rosenbrock's valley `r = (10 (y − x²), 1 − x)`: the minimum 0 is at (1, 1) (Rosenbrock 1960).
+fn valley(upper: f64) -> Pair {
+    let linear = |name: &str, bounds| Parameter {
+        transform: Transform::Linear { scale: 1.0 },
+        ..Parameter::positive(name, "1", bounds)
+    };
+    Pair {
+        parameters: [linear("x", (-5.0, upper)), linear("y", (-5.0, 5.0))],
+        residual: |[x, y]| [10.0 * (y - x * x), 1.0 - x],
+        slopes: |[x, _]| [-20.0 * x, 10.0, -1.0, 0.0],
     }
 }
 
 #[test]
 fn rosenbrock_valley_is_walked_to_its_end() {
     let settings = FitSettings { absolute_tolerance: 1e-20, max_iterations: 200, ..FitSettings::default() };
-    let fit = fit(&Valley::new(5.0), &[-1.2, 1.0], &settings).unwrap();
+    let fit = fit(&valley(5.0), &[-1.2, 1.0], &settings).unwrap();
     assert_eq!(fit.status, Status::Converged);
     // χ² promised below 1e-20 with curvature ≥ 0.5 leaves less than 1e-9 of distance.
     assert!((fit.values[0] - 1.0).abs() < 1e-9 && (fit.values[1] - 1.0).abs() < 1e-9, "{:?}", fit.values);
@@ -172,7 +178,7 @@ fn secant_steps_walk_the_valley() {
         secant: true,
         ..FitSettings::default()
     };
-    let fit = fit(&Valley::new(5.0), &[-1.2, 1.0], &settings).unwrap();
+    let fit = fit(&valley(5.0), &[-1.2, 1.0], &settings).unwrap();
     assert_eq!(fit.status, Status::Converged);
     assert!((fit.values[0] - 1.0).abs() < 1e-9 && (fit.values[1] - 1.0).abs() < 1e-9, "{:?}", fit.values);
 }
@@ -181,7 +187,7 @@ fn secant_steps_walk_the_valley() {
 #[test]
 fn bound_holds_and_the_rest_goes_on() {
     let settings = FitSettings { absolute_tolerance: 1e-20, max_iterations: 200, ..FitSettings::default() };
-    let fit = fit(&Valley::new(0.5), &[-1.2, 1.0], &settings).unwrap();
+    let fit = fit(&valley(0.5), &[-1.2, 1.0], &settings).unwrap();
     assert_eq!(fit.at_bound, [true, false]);
     // Relative tolerance 1e-10 of χ² = 0.25 leaves 100 (y − 0.25)² < 2.5e-11.
     assert!((fit.values[0] - 0.5).abs() < 1e-12 && (fit.values[1] - 0.25).abs() < 1e-6, "{:?}", fit.values);
@@ -259,45 +265,17 @@ fn factors_of_a_product_are_not_identifiable() {
     );
 }
 
-/// Two readings, `a + b = 1.1 ± 0.001` and `b = 0.1 ± 0.001`.
-struct Parts([Parameter; 2]);
-
-impl Model for Parts {
-    type Memory = ();
-
-    fn parameters(&self) -> &[Parameter] {
-        &self.0
-    }
-
-    fn residual_count(&self) -> usize {
-        2
-    }
-
-    fn memory(&self) {}
-
-    fn residual(&self, p: &[f64], (): &mut (), residual: &mut [f64]) -> Result<(), NoSolution> {
-        residual.copy_from_slice(&[(p[0] + p[1] - 1.1) / 1e-3, (p[1] - 0.1) / 1e-3]);
-        Ok(())
-    }
-
-    fn linearise(
-        &self,
-        p: &[f64],
-        _: &[bool],
-        memory: &mut (),
-        (residual, jacobian): (&mut [f64], &mut DMatrix<f64>),
-    ) -> Result<(), NoSolution> {
-        jacobian.copy_from(&DMatrix::from_row_slice(2, 2, &[1e3, 1e3, 0.0, 1e3]));
-        self.residual(p, memory, residual)
-    }
-}
-
 /// `b` is known to a standard deviation of 1 %. With an accuracy of a quarter on top its half interval is 49 %, more than the 35 % of
 /// what counts as known; with one of a tenth it is 20 %. That of the sum is `1.96 √(1² + 0.1²)/1.1 = 1.8` times the accuracy.
 #[test]
 fn what_widening_leaves_too_wide_is_not_identifiable() {
     let parameter = |name: &str| Parameter::positive(name, "m", (1e-6, 1e6)).told_by("weigh them");
-    let model = Parts([parameter("a"), parameter("b")]);
+    // Two readings, `a + b = 1.1 ± 0.001` and `b = 0.1 ± 0.001`.
+    let model = Pair {
+        parameters: [parameter("a"), parameter("b")],
+        residual: |[a, b]| [(a + b - 1.1) / 1e-3, (b - 0.1) / 1e-3],
+        slopes: |_| [1e3, 1e3, 0.0, 1e3],
+    };
     let fit = fit(&model, &[1.0, 0.2], &FitSettings::default()).unwrap();
     let widest = IdentifySettings::default().widest;
     let settled = |accuracy: f64| {
@@ -329,7 +307,12 @@ fn what_widening_leaves_too_wide_is_not_identifiable() {
 #[test]
 fn a_sum_may_be_known_where_a_part_is_not() {
     let parameter = |name: &str| Parameter::positive(name, "m", (1e-6, 1e6));
-    let model = Parts([parameter("a"), parameter("b")]);
+    // Two readings, `a + b = 1.1 ± 0.001` and `b = 0.1 ± 0.001`.
+    let model = Pair {
+        parameters: [parameter("a"), parameter("b")],
+        residual: |[a, b]| [(a + b - 1.1) / 1e-3, (b - 0.1) / 1e-3],
+        slopes: |_| [1e3, 1e3, 0.0, 1e3],
+    };
     let mut fit = fit(&model, &[1.0, 0.2], &FitSettings::default()).unwrap();
     // χ² a thousand times too large: readings good to √1000 times what they claim, 32 % of `b`.
     fit.data_cost = 1000.0;
