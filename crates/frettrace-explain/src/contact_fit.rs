@@ -4,13 +4,15 @@
 //! recovered slip by `R` times as much, and that moves the law's answer by its stiffness. A law without a presliding range
 //! answers by its limit and, where it sticks, by the recovered force itself: what is left there is the velocity.
 
+mod march;
+
 use crate::series_fit::SeriesContact;
 use frettrace_forward::accelerations::{AccelerationError, AccelerationModel, Balance};
 use frettrace_fourier::{Grid, GridError};
-use frettrace_friction::Step;
-use frettrace_friction::effects::{Circumstance, Hook, ModifiedLaw, ModifiedState};
+use frettrace_friction::effects::{Hook, ModifiedLaw};
 use frettrace_identify::{Fit, FitSettings, IdentifyError, Model, NoSolution, Parameter, fit};
-use nalgebra::DMatrix;
+pub(crate) use march::{LANES, seeded};
+use nalgebra::{DMatrix, DMatrixViewMut};
 use num_complex::Complex64;
 use std::sync::Arc;
 
@@ -130,70 +132,41 @@ impl Recovered {
         })
     }
 
-    fn circumstance(&self, k: usize, modulation: Option<usize>) -> Circumstance {
-        let samples = self.slip.len();
-        let phase = |k: usize, order: usize| {
-            let angle = std::f64::consts::TAU * ((order * k) % samples) as f64 / samples as f64;
-            [angle.cos(), angle.sin()]
-        };
-        Circumstance {
-            preload: self.preload,
-            progress: self.progress,
-            phase: modulation.map_or([[1.0, 0.0]; 2], |m| [phase(k, m), phase(k + 1, m)]),
-        }
-    }
-
-    /// Force of the law over the settled period.
-    pub fn answer(&self, law: &ModifiedLaw<f64>, modulation: usize) -> Vec<f64> {
-        let rigid = !self.trial.is_empty() && !law.yields();
-        let samples = self.slip.len();
-        let modulation = law.get(Hook::ModulationCosine).map(|_| modulation);
-        let step = |k: usize| {
-            let next = if k + 1 == samples { 0 } else { k + 1 };
-            Step {
-                slip: [self.slip[k], self.slip[next]],
-                velocity: [self.velocity[k], self.velocity[next]],
-                normal: [self.normal[k], self.normal[next]],
-                dt: self.dt,
-            }
-        };
-        let virgin = Step {
-            slip: [0.0, self.slip[0]],
-            velocity: [self.velocity[0]; 2],
-            normal: [self.normal[0]; 2],
-            dt: self.dt,
-        };
-        let mut force = vec![0.0; samples];
-        let (mut state, _) = law.advance(law.rest_at(0.0), &virgin, &self.circumstance(0, modulation));
-        for _ in 0..6 {
-            let before: ModifiedState<f64> = state;
-            for k in 0..samples {
-                let circumstance = self.circumstance(k, modulation);
-                let (next, f) = if rigid {
-                    law.advance_rigid(state, &step(k), (self.trial[(k + 1) % samples], &circumstance))
-                } else {
-                    law.advance(state, &step(k), &circumstance)
-                };
-                state = next;
-                force[(k + 1) % samples] = f;
-            }
-            let closed = state.0.iter().zip(&before.0).all(|(a, b)| (a - b).abs() <= 1e-7 * (1e-9 + b.abs()));
-            if closed {
-                break;
-            }
-        }
-        force
-    }
-
     fn residual(&self, law: &ModifiedLaw<f64>, modulation: usize, out: &mut [f64]) {
-        let force = self.answer(law, modulation);
-        let mut lines = vec![Complex64::ZERO; self.grid.order() + 1];
-        self.grid.project(&force, &mut lines, &mut self.grid.scratch());
+        let lines = self.lines(&self.answer(law, modulation));
         for h in 1..self.force.len() {
             let left = (self.force[h] - lines[h]) / self.deviation[h];
             out[2 * h - 2] = left.re;
             out[2 * h - 1] = left.im;
         }
+    }
+
+    /// Derivatives of the residual by the hooks of a law, a column each.
+    fn jacobian(
+        &self,
+        (law, modulation): (&ModifiedLaw<f64>, usize),
+        hooks: &[(usize, Hook)],
+        mut out: DMatrixViewMut<'_, f64>,
+    ) {
+        let (state, _) = self.settled(law, modulation);
+        for block in hooks.chunks(LANES) {
+            let force = self.slopes(&seeded(law, block), modulation, state);
+            for (lane, (column, _)) in block.iter().enumerate() {
+                let lines = self.lines(&force.iter().map(|f| f.slopes[lane]).collect::<Vec<_>>());
+                for h in 1..self.force.len() {
+                    let slope = -lines[h] / self.deviation[h];
+                    out[(2 * h - 2, *column)] = slope.re;
+                    out[(2 * h - 1, *column)] = slope.im;
+                }
+            }
+        }
+    }
+
+    /// Lines of a period.
+    fn lines(&self, samples: &[f64]) -> Vec<Complex64> {
+        let mut lines = vec![Complex64::ZERO; self.grid.order() + 1];
+        self.grid.project(samples, &mut lines, &mut self.grid.scratch());
+        lines
     }
 
     fn count(&self) -> usize {
@@ -300,17 +273,20 @@ impl Model for ContactProblem<'_> {
     ) -> Result<(), NoSolution> {
         let (residual, jacobian) = target;
         self.residual(values, memory, residual)?;
-        let mut beside = vec![0.0; residual.len()];
-        for j in (0..values.len()).filter(|&j| free[j]) {
-            let distance = self.parameters[j].difference(values[j], 1e-4);
-            let mut moved = values.to_vec();
-            moved[j] += distance;
-            self.residual(&moved, memory, &mut beside)?;
-            for (row, (new, old)) in beside.iter().zip(residual.iter()).enumerate() {
-                jacobian[(row, j)] = (new - old) / distance;
-            }
+        let law = self.at(values);
+        let hooks: Vec<(usize, Hook)> =
+            self.hooks.iter().copied().enumerate().filter(|(j, _)| free[*j]).collect();
+        let mut at = 0;
+        for recovered in &self.recovered.periodic {
+            let rows = jacobian.rows_mut(at, recovered.count());
+            recovered.jacobian((&law, self.modulation), &hooks, rows);
+            at += recovered.count();
         }
-        Ok(())
+        for series in &self.recovered.series {
+            series.jacobian(&law, &hooks, jacobian.rows_mut(at, series.count()));
+            at += series.count();
+        }
+        if jacobian.iter().all(|slope| slope.is_finite()) { Ok(()) } else { Err(NoSolution) }
     }
 }
 
@@ -333,3 +309,6 @@ pub(crate) fn recover(
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,9 +4,11 @@
 //! the recovered force in the bins the sensors know. The record is tapered, so that the unknown state at its start, a
 //! tenth of it, does not matter.
 
+use crate::contact_fit::{LANES, seeded};
 use frettrace_fourier::tapered_spectrum;
-use frettrace_friction::Step;
-use frettrace_friction::effects::{Circumstance, ModifiedLaw};
+use frettrace_friction::effects::{Circumstance, Hook, ModifiedLaw};
+use frettrace_friction::{Scalar, Step};
+use nalgebra::DMatrixViewMut;
 use num_complex::Complex64;
 
 /// What was recovered of a run without a law and without a period, one value a sample.
@@ -50,23 +52,24 @@ impl Series {
     /// Force (N) of a law along the recovered motion, from rest, one value a sample. A rigid contact takes the force `trial`
     /// as long as it holds; `None` where the contact yields.
     #[must_use]
-    pub fn answer(
+    pub fn answer<T: Scalar>(
         &self,
-        law: &ModifiedLaw<f64>,
+        law: &ModifiedLaw<T>,
         circumstance: &Circumstance,
         trial: Option<&[f64]>,
-    ) -> Vec<f64> {
-        let mut state = law.rest_at(self.slip.first().copied().unwrap_or_default());
-        let mut force = vec![0.0; self.slip.len()];
+    ) -> Vec<T> {
+        let mut state = law.rest_at(T::from(self.slip.first().copied().unwrap_or_default()));
+        let mut force = vec![T::from(0.0); self.slip.len()];
         for (k, force) in force.iter_mut().enumerate().skip(1) {
+            let ends = |series: &[f64]| [T::from(series[k - 1]), T::from(series[k])];
             let step = Step {
-                slip: [self.slip[k - 1], self.slip[k]],
-                velocity: [self.velocity[k - 1], self.velocity[k]],
-                normal: [self.normal[k - 1], self.normal[k]],
+                slip: ends(&self.slip),
+                velocity: ends(&self.velocity),
+                normal: ends(&self.normal),
                 dt: self.dt,
             };
             let (next, answered) = match trial {
-                Some(trial) => law.advance_rigid(state, &step, (trial[k], circumstance)),
+                Some(trial) => law.advance_rigid(state, &step, (T::from(trial[k]), circumstance)),
                 None => law.advance(state, &step, circumstance),
             };
             state = next;
@@ -115,7 +118,7 @@ impl SeriesContact {
         (!bins.is_empty()).then_some(Self { series, circumstance, bins, measured })
     }
 
-    fn answer(&self, law: &ModifiedLaw<f64>) -> Vec<f64> {
+    fn answer<T: Scalar>(&self, law: &ModifiedLaw<T>) -> Vec<T> {
         self.series.answer(law, &self.circumstance, None)
     }
 
@@ -130,6 +133,27 @@ impl SeriesContact {
         for (pair, (k, deviation)) in out.chunks_mut(2).zip(&self.bins) {
             let left = (self.measured[*k] - answered[*k]) / *deviation;
             pair.copy_from_slice(&[left.re, left.im]);
+        }
+    }
+
+    /// Derivatives of the residual by the hooks of a law, a column each.
+    pub fn jacobian(
+        &self,
+        law: &ModifiedLaw<f64>,
+        hooks: &[(usize, Hook)],
+        mut out: DMatrixViewMut<'_, f64>,
+    ) {
+        for block in hooks.chunks(LANES) {
+            let force = self.answer(&seeded(law, block));
+            for (lane, (column, _)) in block.iter().enumerate() {
+                let slopes: Vec<f64> = force.iter().map(|f| f.slopes[lane]).collect();
+                let moved = Series::amplitudes(&slopes);
+                for (row, (k, deviation)) in self.bins.iter().enumerate() {
+                    let slope = -moved[*k] / *deviation;
+                    out[(2 * row, *column)] = slope.re;
+                    out[(2 * row + 1, *column)] = slope.im;
+                }
+            }
         }
     }
 
@@ -153,7 +177,6 @@ impl SeriesContact {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frettrace_friction::effects::Hook;
 
     /// A slip of two incommensurable tones, and the force of a law along it.
     fn series(law: &ModifiedLaw<f64>) -> Series {

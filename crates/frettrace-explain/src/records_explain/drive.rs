@@ -2,11 +2,9 @@
 
 use super::RecordRun;
 use super::setting::{Beside, RecordSetting};
+use crate::contact_fit::LANES;
 use frettrace_friction::effects::{Circumstance, Hook, ModifiedLaw, ModifiedState};
 use frettrace_friction::{Gradient, Scalar, Step};
-
-/// Directions differentiated at once: a cache line of slopes.
-pub(super) const LANES: usize = 8;
 
 /// Errors of the motion that are added to it.
 #[derive(Clone, Copy)]

@@ -1,7 +1,8 @@
 //! The record's model for the fit: weighted force residuals of all runs with derivatives.
 
-use super::drive::{LANES, Shift, first_counted, forces, tangents};
+use super::drive::{Shift, first_counted, forces, tangents};
 use super::{RecordRun, RecordSetting};
+use crate::contact_fit::LANES;
 use frettrace_identify::{Model, NoSolution, Parameter};
 use nalgebra::DMatrix;
 use rayon::prelude::*;

@@ -1,0 +1,110 @@
+use super::*;
+use crate::Scales;
+use crate::effects::ALL;
+use std::f64::consts::TAU;
+
+/// A slip of two lines under a normal force that varies: in periods of 50 ms it goes 20 µm to and fro.
+fn motion(rigid: bool) -> Recovered {
+    let (samples, order, omega) = (256, 24, TAU / 0.05);
+    let at = |of: fn(f64) -> f64, size: f64| -> Vec<f64> {
+        (0..samples).map(|k| size * of(TAU * k as f64 / samples as f64)).collect()
+    };
+    let slip = at(|t| t.cos() + 0.3 * (2.0 * t).sin(), 2e-5);
+    let velocity = at(|t| -t.sin() + 0.6 * (2.0 * t).cos(), 2e-5 * omega);
+    let trial = if rigid { velocity.iter().map(|v| 4e3 * v).collect() } else { Vec::new() };
+    Recovered {
+        slip,
+        velocity,
+        normal: at(|t| 50.0 + 12.0 * t.sin(), 1.0),
+        force: vec![Complex64::ZERO; order + 1],
+        deviation: vec![0.01; order + 1],
+        trial,
+        grid: Grid::new(order, samples).unwrap(),
+        dt: 0.05 / samples as f64,
+        preload: 50.0,
+        progress: 0.4,
+    }
+}
+
+fn laws() -> [ModifiedLaw<f64>; 3] {
+    let dahl = ModifiedLaw::dahl(1.5e5, 0.4);
+    let mut lugre = dahl;
+    let velocity = 5e-4;
+    for (hook, value) in [
+        (Hook::StribeckRise, 0.15),
+        (Hook::StribeckVelocity, velocity),
+        (Hook::StribeckExponent, 1.7),
+        (Hook::Sigma1, 3.0),
+        (Hook::DampingVelocity, 2.0 * velocity),
+        (Hook::Viscous, 40.0),
+    ] {
+        lugre.set(hook, value);
+    }
+    let mut hybrid = lugre;
+    hybrid.set(Hook::Breakaway, 0.4);
+    [dahl, lugre, hybrid]
+}
+
+/// The derivatives of every form of every effect of the contact, with those of the law, against central differences: they are
+/// the same but for the square of the step.
+#[test]
+fn derivatives_are_those_of_differences() {
+    let scales = Scales {
+        slip: 2.6e-5,
+        velocity: 4e-3,
+        period: 0.05,
+        preload: 50.0,
+        length: 1.0,
+        mass: 1.0,
+        subharmonic: 1,
+    };
+    let (mut compared, mut apart) = (0, Vec::new());
+    for (law, rigid) in laws().into_iter().zip([false; 3]).chain([(laws()[0], true)]) {
+        let recovered = Contacts { periodic: vec![motion(rigid)], series: Vec::new() };
+        for effect in ALL {
+            for form in effect.contact_forms(&law, &scales) {
+                let mut law = law;
+                let own: Vec<Hook> = Hook::ALL.into_iter().filter(|h| law.get(*h).is_some()).collect();
+                form.changes.iter().for_each(|change| law.set(change.hook, change.start));
+                let brought = form.changes.iter().filter(|c| c.parameter.is_some()).map(|c| c.hook);
+                let hooks: Vec<Hook> = own.into_iter().chain(brought).collect();
+                let free = vec![true; hooks.len()];
+                let values: Vec<f64> = hooks.iter().filter_map(|h| law.get(*h)).collect();
+                let problem = ContactProblem {
+                    recovered: &recovered,
+                    law,
+                    modulation: form.modulation,
+                    hooks,
+                    parameters: Vec::new(),
+                };
+                let rows = problem.residual_count();
+                let mut residual = vec![0.0; rows];
+                let mut jacobian = DMatrix::zeros(rows, values.len());
+                problem.linearise(&values, &free, &mut (), (&mut residual, &mut jacobian)).unwrap();
+                for (j, hook) in problem.hooks.iter().enumerate() {
+                    let step = if values[j] == 0.0 { 1e-6 } else { 1e-5 * values[j] };
+                    let moved = |by: f64| {
+                        let mut values = values.clone();
+                        values[j] += by;
+                        let mut out = vec![0.0; rows];
+                        problem.residual(&values, &mut (), &mut out).unwrap();
+                        out
+                    };
+                    let (above, below) = (moved(step), moved(-step));
+                    let slopes = above.iter().zip(&below).map(|(a, b)| (a - b) / (2.0 * step));
+                    let column = jacobian.column(j);
+                    let error: f64 = slopes.zip(column.iter()).map(|(d, s)| (d - s).powi(2)).sum();
+                    let size = column.norm();
+                    // Rounding of the residuals, of the size of the force over its deviation, is divided by the step.
+                    let rounding = 1e-14 * residual.iter().map(|r| r * r).sum::<f64>().sqrt() / step.abs();
+                    if error.sqrt() > 1e-3 * size + rounding {
+                        apart.push(format!("{} {hook:?}: {:.1e} of {size:.1e}", effect.id(), error.sqrt()));
+                    }
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert!(apart.is_empty(), "{apart:#?}");
+    assert!(compared > 500, "{compared}");
+}
