@@ -34,5 +34,5 @@ pub use search::Explained;
 pub use series_fit::Series;
 pub use shapes::{Shape, shapes};
 pub use start::histories;
-pub use study::{ExplainError, Fitted, RunError, Study};
+pub use study::{ExplainError, Fitted, RunError, Split, Study};
 pub use verdict::{Named, Outcome, Place, Tried, Verdict, explain};

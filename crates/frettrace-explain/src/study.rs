@@ -37,6 +37,17 @@ pub enum ExplainError {
 /// along a run that is not periodic.
 const PARTIAL_SLIP_PERIODS: f64 = 8.0;
 
+/// Which runs are held out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Split {
+    /// What an explanation begins with.
+    First,
+    /// Others than in the first: where those contradict what was fitted.
+    Second,
+    /// A single one: where the others contradict it too.
+    One,
+}
+
 /// A case with its split and its model.
 pub struct Study<'a> {
     /// The case.
@@ -106,12 +117,12 @@ impl<'a> Study<'a> {
     ///
     /// # Errors
     /// [`ExplainError`] where no run is periodic or the rig cannot be modelled.
-    pub fn new(case: &'a Case) -> Result<(Self, Setting), ExplainError> {
+    pub fn new(case: &'a Case, split: Split) -> Result<(Self, Setting), ExplainError> {
         let periodic: Vec<usize> = (0..case.records.len()).filter(|&k| case.records[k].periodic).collect();
         if periodic.is_empty() {
             return Err(ExplainError::NothingPeriodic { periodic: 0, runs: case.records.len() });
         }
-        let held_out = held_out(case, &periodic);
+        let held_out = held_out(case, &periodic, split);
         let training: Vec<usize> = periodic.into_iter().filter(|k| !held_out.contains(k)).collect();
         let lines = case.records.iter().map(|r| model_lines(case, r)).collect();
         let model = AccelerationModel::new(case.rig.clone(), lines)?;
@@ -376,16 +387,22 @@ fn deviations(problem: &AccelerationFit<'_>, found: &Fit, memory: &Memory) -> Ve
     )
 }
 
-/// Runs held out: two of six or more (second highest and an interior level), one of four or five.
-fn held_out(case: &Case, periodic: &[usize]) -> Vec<usize> {
+/// Runs held out, of six or more and of four or five runs by level: the second highest and, of six, an interior one; each the
+/// next lower one; one in the middle.
+fn held_out(case: &Case, periodic: &[usize], split: Split) -> Vec<usize> {
     let level = |k: usize| case.records[k].power.iter().sum::<f64>();
     let mut ranked = periodic.to_vec();
     ranked.sort_by(|&a, &b| level(a).total_cmp(&level(b)));
-    match ranked.len() {
-        0..=3 => Vec::new(),
-        n @ (4 | 5) => vec![ranked[n - 2]],
-        n => vec![ranked[n / 2 - 1], ranked[n - 2]],
-    }
+    let n = ranked.len();
+    let places = match (split, n) {
+        (_, 0..=3) => Vec::new(),
+        (Split::First, 4 | 5) => vec![n - 2],
+        (Split::First, _) => vec![n / 2 - 1, n - 2],
+        (Split::Second, 4 | 5) => vec![n - 3],
+        (Split::Second, _) => vec![n / 2 - 2, n - 3],
+        (Split::One, _) => vec![n / 2],
+    };
+    places.into_iter().map(|place| ranked[place]).collect()
 }
 
 /// Replaces or adds unknowns by their quantity.

@@ -3,13 +3,15 @@
 use crate::effects::ALL;
 use crate::search::Explained;
 use crate::study::as_declared;
-use crate::{Case, ExplainError, RunError, Study, Unknown};
+use crate::{ExplainError, RunError, Study, Unknown};
 use frettrace_forward::accelerations::{Quantity, Setting};
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 
+mod asked_again;
 mod outcome;
 mod rounds;
 
+pub use asked_again::explain;
 pub use outcome::{Named, Outcome, Place, Tried, Verdict};
 
 /// Most effects named together.
@@ -27,6 +29,8 @@ const FINER: f64 = 0.7;
 /// Relative error of the recovered force of a run without a period from which the law is in doubt: five times the accuracy
 /// with which such a force is recovered.
 const SERIES_OPEN: f64 = 0.05;
+/// Error over noise up to which runs that nothing was fitted to bear out that nothing is missing.
+const BORNE_OUT: f64 = 1.2;
 /// Improvement on held-out runs that a claim needs, in standard errors.
 const HELD_OUT: f64 = 2.5;
 /// Share of their excess over the noise that a claim may leave there: more than half of it must go.
@@ -43,50 +47,6 @@ const BALANCE_CLOSED_RUN: f64 = 2.6;
 
 /// Growth of the worst error that a lift-off seen in runs without a period may bring to the others.
 const LIFTED: f64 = 1.02;
-
-/// Explains a case.
-///
-/// # Errors
-/// [`ExplainError`] where no run is periodic or the model cannot be evaluated at all.
-pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
-    let (study, setting) = Study::new(case)?;
-    let mut search = Search {
-        study,
-        refined: false,
-        other_formula: false,
-        lifts_off: false,
-        coarse: None,
-        recovered_law: None,
-        before: Vec::new(),
-        tried: Vec::new(),
-        rivals: Vec::new(),
-        notes: Vec::new(),
-    };
-    let mut baseline = search.baseline(setting)?;
-    if !baseline.complete() && baseline.ratio < NEAR {
-        let lacked = baseline.excess();
-        baseline = search.further(baseline, lacked);
-        search.coarse = None;
-    }
-    if !baseline.complete()
-        && let Some(better) = search.restarted(&baseline)
-    {
-        baseline = better;
-    }
-    search.before = search.errors_as_read(&baseline);
-    let done = baseline.complete() && !search.series_open(&baseline);
-    let mut model = if done { baseline.clone() } else { search.close(&baseline)? };
-    if let Some(better) = search.rebased(&baseline, &model) {
-        if better.complete() {
-            model = better.clone();
-            search.rivals.clear();
-        }
-        baseline = better;
-        search.before = search.errors_as_read(&baseline);
-    }
-    let model = search.with_lift_off(model);
-    Ok(search.outcome(baseline, model))
-}
 
 /// A model that another one was preferred to.
 #[derive(Clone, Copy)]
@@ -120,6 +80,23 @@ struct Search<'a> {
 
 fn is_law(unknown: &Unknown) -> bool {
     matches!(unknown.quantity, Quantity::Law(_))
+}
+
+impl<'a> Search<'a> {
+    fn new(study: Study<'a>) -> Self {
+        Self {
+            study,
+            refined: false,
+            other_formula: false,
+            lifts_off: false,
+            coarse: None,
+            recovered_law: None,
+            before: Vec::new(),
+            tried: Vec::new(),
+            rivals: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
 }
 
 impl Search<'_> {

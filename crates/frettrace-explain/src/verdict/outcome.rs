@@ -1,6 +1,6 @@
 //! What is said in the end: verdict, names, place, errors and what a reader must know.
 
-use super::{EVIDENCE, HELD_OUT, HELD_OUT_SHARE, Rival, Search};
+use super::{BORNE_OUT, EVIDENCE, HELD_OUT, HELD_OUT_SHARE, Rival, Search};
 use crate::effects::{ALL, EffectPlace};
 use crate::search::{Explained, OTHER_FORMULA};
 use crate::study::as_declared;
@@ -41,7 +41,7 @@ pub struct Named {
 }
 
 /// A candidate that was tried.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Tried {
     /// Its id.
     pub id: &'static str,
@@ -134,8 +134,11 @@ impl Search<'_> {
         let held_out = &self.study.held_out;
         // Every run in which the support lifts off bears that out by itself.
         let claimed = model.effects.len() - usize::from(self.lifts_off);
-        if claimed == 0 || held_out.is_empty() {
+        if held_out.is_empty() {
             return true;
+        }
+        if claimed == 0 {
+            return self.study.error(&model.fitted, held_out).ratio() <= BORNE_OUT;
         }
         let found = self.study.improvement(&baseline.fitted, &model.fitted, held_out);
         self.notes

@@ -14,7 +14,7 @@ use crate::case::{case, recover_aperiodic};
 use crate::results::{Identification, Step};
 use crate::{Progress, StudyError};
 use described::{described, from_loops_alone};
-use frettrace_explain::{Case, ExplainError, Fitted, Study};
+use frettrace_explain::{Case, ExplainError, Fitted, Split, Study};
 use frettrace_forward::accelerations::{RunLines, Setting};
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 use frettrace_identify::contact::{
@@ -67,7 +67,7 @@ pub(super) fn identify(
     let mut unsolved = None;
     let conditions = conditions(measurement);
     let declared = Case { law: families[0], ..declared };
-    let (first, blank) = match Study::new(&declared) {
+    let (first, blank) = match Study::new(&declared, Split::First) {
         Err(error @ ExplainError::NothingPeriodic { .. }) => {
             progress.finish();
             return without_periods(&declared, families, error);
@@ -115,7 +115,7 @@ pub(super) fn identify(
 
 /// The study of another law on the same runs, and its start.
 fn study_of<'a>(case: &'a Case, first: &Study<'_>) -> Result<(Study<'a>, Setting), StudyError> {
-    let (mut study, start) = Study::new(case)?;
+    let (mut study, start) = Study::new(case, Split::First)?;
     study.training.clone_from(&first.training);
     Ok((study, start))
 }

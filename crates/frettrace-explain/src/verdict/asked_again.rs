@@ -1,0 +1,134 @@
+//! What was found, asked again: on runs that nothing was fitted to, and without the name that was found.
+//!
+//! A model may follow the runs it was fitted to and miss others: the declared law was bent to what it lacks. Then those runs are
+//! among the fitted ones and others are held out. A name may leave little, yet more than the noise: a mechanism that is there
+//! leaves nothing. Then the search is made again without that name, and what explains better stands.
+
+use super::outcome::Outcome;
+use super::{EVIDENCE, NEAR, Rival, Search};
+use crate::effects::ALL;
+use crate::search::Explained;
+use crate::{Case, ExplainError, Split, Study};
+
+/// Error over noise of runs held out from which they contradict a model that follows those it was fitted to: what its values are
+/// uncertain by adds some per cent.
+const CONTRADICTED: f64 = 1.1;
+/// Error over noise from which a name leaves more than the noise in the runs it was fitted to, …
+const LEFT: f64 = 1.005;
+/// … and in those held out, whose error holds that of the fitted values too.
+const LEFT_HELD_OUT: f64 = 1.03;
+
+/// A search that is over.
+struct Found<'a> {
+    search: Search<'a>,
+    /// The declared model.
+    baseline: Explained,
+    /// The model that was come to.
+    model: Explained,
+}
+
+/// Explains a case.
+///
+/// # Errors
+/// [`ExplainError`] where no run is periodic or the model cannot be evaluated at all.
+pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
+    let without;
+    let mut split = Split::First;
+    let mut found = Found::by(case, split)?;
+    let mut missed = Vec::new();
+    for next in [Split::Second, Split::One] {
+        if !found.contradicted() {
+            break;
+        }
+        split = next;
+        missed.push(format!(
+            "a model that followed the fitted runs missed the {} held out by {:.2} times the noise: these are among the fitted ones now, and others are held out",
+            found.search.study.held_out.len(),
+            found.held_out_ratio()
+        ));
+        found = Found::by(case, split)?;
+    }
+    if let Some(name) = found.doubtful() {
+        let mut other = case.clone();
+        other.without.push(name.to_owned());
+        without = other;
+        // Where nothing can be said without the name, it stands.
+        if let Ok(other) = Found::by(&without, split) {
+            found = found.against(other);
+        }
+    }
+    found.search.notes.extend(missed);
+    Ok(found.search.outcome(found.baseline, found.model))
+}
+
+impl<'a> Found<'a> {
+    fn by(case: &'a Case, split: Split) -> Result<Self, ExplainError> {
+        let (study, setting) = Study::new(case, split)?;
+        let mut search = Search::new(study);
+        let mut baseline = search.baseline(setting)?;
+        if !baseline.complete() && baseline.ratio < NEAR {
+            let lacked = baseline.excess();
+            baseline = search.further(baseline, lacked);
+            search.coarse = None;
+        }
+        if !baseline.complete()
+            && let Some(better) = search.restarted(&baseline)
+        {
+            baseline = better;
+        }
+        search.before = search.errors_as_read(&baseline);
+        // Where both other splits contradicted it, the declared model lacks something however little shows where it is fitted.
+        let done = baseline.complete() && !search.series_open(&baseline) && split != Split::One;
+        let mut model = if done { baseline.clone() } else { search.close(&baseline)? };
+        if let Some(better) = search.rebased(&baseline, &model) {
+            if better.complete() {
+                model = better.clone();
+                search.rivals.clear();
+            }
+            baseline = better;
+            search.before = search.errors_as_read(&baseline);
+        }
+        let model = search.with_lift_off(model);
+        Ok(Self { search, baseline, model })
+    }
+
+    /// Error over noise of the runs held out; 1 where there are none.
+    fn held_out_ratio(&self) -> f64 {
+        let study = &self.search.study;
+        if study.held_out.is_empty() { 1.0 } else { study.error(&self.model.fitted, &study.held_out).ratio() }
+    }
+
+    /// Whether the model is complete on the runs it was fitted to and misses those held out.
+    fn contradicted(&self) -> bool {
+        self.model.complete() && self.held_out_ratio() > CONTRADICTED
+    }
+
+    /// The only name of a model that leaves more than the noise.
+    fn doubtful(&self) -> Option<&'static str> {
+        let [effect] = self.model.effects[..] else { return None };
+        let left = self.model.ratio > LEFT || self.held_out_ratio() > LEFT_HELD_OUT;
+        (left && !self.search.lifts_off).then(|| ALL[effect].id())
+    }
+
+    /// What explains better: `self`, or what was found without its name. The other one is its rival.
+    fn against(self, other: Self) -> Self {
+        let better = other.model.criterion + EVIDENCE < self.model.criterion;
+        let explains = other.model.effects.len() == 1
+            && (other.model.complete() || !self.model.complete() && other.stands());
+        let (mut chosen, other) = if better && explains { (other, self) } else { (self, other) };
+        chosen.search.rivals.extend(other.model.effects.last().map(|&effect| Rival {
+            effect,
+            criterion: other.model.criterion,
+            excess: other.model.excess(),
+        }));
+        let known = |id: &str| chosen.search.tried.iter().any(|t| t.id == id);
+        let news: Vec<_> = other.search.tried.iter().filter(|t| !known(t.id)).copied().collect();
+        chosen.search.tried.extend(news);
+        chosen
+    }
+
+    /// Whether its names may stand though more than the noise is left.
+    fn stands(&self) -> bool {
+        self.model.sufficient(&self.baseline) || self.search.other_formula
+    }
+}
