@@ -12,6 +12,7 @@ mod measured_contacts;
 mod roller_beam;
 mod validate_finite_element_rig;
 mod verify_beam_modes;
+mod verify_explained_rigs;
 mod verify_friction_loops;
 mod verify_harmonic_balance;
 mod verify_memory_equation;
@@ -30,6 +31,7 @@ pub const ALL: &[Case] = &[
     verify_memory_equation::CASE,
     verify_mode_hypotheses::CASE,
     verify_reconstruction_bands::CASE,
+    verify_explained_rigs::CASE,
     compare_balance_codes::CASE,
     compare_splines::CASE,
     validate_finite_element_rig::CASE,

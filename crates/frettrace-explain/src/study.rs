@@ -122,7 +122,7 @@ impl<'a> Study<'a> {
         if periodic.is_empty() {
             return Err(ExplainError::NothingPeriodic { periodic: 0, runs: case.records.len() });
         }
-        let held_out = held_out(case, &periodic, split);
+        let held_out = held_out(&by_level(case, &periodic), split);
         let training: Vec<usize> = periodic.into_iter().filter(|k| !held_out.contains(k)).collect();
         let lines = case.records.iter().map(|r| model_lines(case, r)).collect();
         let model = AccelerationModel::new(case.rig.clone(), lines)?;
@@ -387,12 +387,17 @@ fn deviations(problem: &AccelerationFit<'_>, found: &Fit, memory: &Memory) -> Ve
     )
 }
 
-/// Runs held out, of six or more and of four or five runs by level: the second highest and, of six, an interior one; each the
-/// next lower one; one in the middle.
-fn held_out(case: &Case, periodic: &[usize], split: Split) -> Vec<usize> {
+/// The runs by level, the lowest first.
+fn by_level(case: &Case, runs: &[usize]) -> Vec<usize> {
     let level = |k: usize| case.records[k].power.iter().sum::<f64>();
-    let mut ranked = periodic.to_vec();
+    let mut ranked = runs.to_vec();
     ranked.sort_by(|&a, &b| level(a).total_cmp(&level(b)));
+    ranked
+}
+
+/// Which of the runs, ranked by level, are held out: the second highest and, of six or more, an interior one; each the next lower
+/// one; one in the middle. Three runs or fewer are all fitted.
+fn held_out(ranked: &[usize], split: Split) -> Vec<usize> {
     let n = ranked.len();
     let places = match (split, n) {
         (_, 0..=3) => Vec::new(),
@@ -409,4 +414,26 @@ fn held_out(case: &Case, periodic: &[usize], split: Split) -> Vec<usize> {
 pub(crate) fn merge(unknowns: &[Unknown], added: &[Unknown]) -> Vec<Unknown> {
     let replaced = |q: Quantity| added.iter().any(|a| a.quantity == q);
     unknowns.iter().filter(|u| !replaced(u.quantity)).chain(added).cloned().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The splits have no run in common, and the highest level is always fitted, so that none is extrapolated; nor is the lowest of
+    /// six or more.
+    #[test]
+    fn splits_hold_out_other_runs() {
+        for n in 4..12 {
+            let ranked: Vec<usize> = (0..n).map(|k| 10 + k).collect();
+            let [first, second, one] =
+                [Split::First, Split::Second, Split::One].map(|split| held_out(&ranked, split));
+            assert_eq!([first.len(), second.len(), one.len()], if n < 6 { [1, 1, 1] } else { [2, 2, 1] });
+            assert!(first.iter().all(|run| !second.contains(run)), "{n}");
+            let all = || first.iter().chain(&second).chain(&one);
+            assert!(all().all(|run| *run < 10 + n - 1), "{n}");
+            assert!(n < 6 || all().all(|run| *run > 10), "{n}");
+        }
+        assert_eq!(held_out(&[1, 2, 3], Split::First), []);
+    }
 }
