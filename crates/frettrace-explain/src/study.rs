@@ -221,13 +221,23 @@ impl<'a> Study<'a> {
     /// Number of real residuals of the training runs.
     #[must_use]
     pub fn residual_count(&self) -> usize {
-        self.training
-            .iter()
-            .map(|&k| {
-                let lines = &self.model.runs[k];
-                2 * lines.acceleration.len() * lines.acceleration.first().map_or(0, Vec::len)
-            })
-            .sum()
+        self.residuals_of(&self.training)
+    }
+
+    fn residuals_of(&self, runs: &[usize]) -> usize {
+        let of_run = |&run: &usize| {
+            let lines = &self.model.runs[run];
+            2 * lines.acceleration.len() * lines.acceleration.first().map_or(0, Vec::len)
+        };
+        runs.iter().map(of_run).sum()
+    }
+
+    /// χ² of the runs held out: how well a model foretells them.
+    pub(crate) fn foretold(&self, fitted: &Fitted) -> f64 {
+        if self.held_out.is_empty() {
+            return 0.0;
+        }
+        self.residuals_of(&self.held_out) as f64 * self.error(fitted, &self.held_out).ratio().powi(2)
     }
 
     /// Predictions of the selected runs; `None` where a run's balance does not close.

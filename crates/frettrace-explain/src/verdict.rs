@@ -24,6 +24,8 @@ const PROXY: f64 = 0.4;
 const NEAR: f64 = 6.0;
 /// … and so is one that leaves no more than this share of the excess before it.
 const MOST_TAKEN: f64 = 0.05;
+/// Finer grids, each twice as fine as the one before, that a model may get.
+const MOST_REFINED: usize = 2;
 /// Share of the excess that a finer grid must take it to, to be kept.
 const FINER: f64 = 0.7;
 /// Relative error of the recovered force of a run without a period from which the law is in doubt: five times the accuracy
@@ -53,15 +55,16 @@ const LIFTED: f64 = 1.02;
 struct Rival {
     /// Its last effect.
     effect: usize,
-    criterion: f64,
+    /// By how much it explains all runs worse.
+    behind: f64,
     /// What its error holds beside the noise.
     excess: f64,
 }
 
 struct Search<'a> {
     study: Study<'a>,
-    /// Whether the study is on its finer grid.
-    refined: bool,
+    /// How often the study's grid was made finer.
+    refined: usize,
     /// Whether a name stands whose formula leaves more than the noise.
     other_formula: bool,
     /// Whether the last effect is a lift-off that only runs without a period show.
@@ -86,7 +89,7 @@ impl<'a> Search<'a> {
     fn new(study: Study<'a>) -> Self {
         Self {
             study,
-            refined: false,
+            refined: 0,
             other_formula: false,
             lifts_off: false,
             coarse: None,
@@ -288,24 +291,26 @@ impl Search<'_> {
             current = better;
         }
         let near = current.ratio <= NEAR || current.excess() <= MOST_TAKEN * lacked;
-        if current.complete() || !near || self.refined {
-            return current;
-        }
-        let Ok(study) = self.study.refined() else { return current };
-        match study.polished(&current) {
-            Ok(better) if better.excess() < FINER * current.excess() => {
-                self.coarse = Some(std::mem::replace(&mut self.study, study));
-                self.refined = true;
-                better
+        // Kinks of the contact send their force to every line: its error falls with each finer grid.
+        while !current.complete() && near && self.refined < MOST_REFINED {
+            let Ok(study) = self.study.refined() else { break };
+            match study.polished(&current) {
+                Ok(better) if better.excess() < FINER * current.excess() => {
+                    let coarser = std::mem::replace(&mut self.study, study);
+                    self.coarse.get_or_insert(coarser);
+                    self.refined += 1;
+                    current = better;
+                }
+                _ => break,
             }
-            _ => current,
         }
+        current
     }
 
     /// Back to the plain grid, where a model on the finer one is not kept.
     fn coarsened(&mut self) {
         if let Some(study) = self.coarse.take() {
-            (self.study, self.refined) = (study, false);
+            (self.study, self.refined) = (study, 0);
         }
     }
 

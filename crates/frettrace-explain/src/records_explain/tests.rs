@@ -2,6 +2,7 @@
 //! forms), one effect at a time, and clean ones.
 
 use super::floor::floor;
+use super::follows::follows;
 use super::{MovingMass, RecordCase, RecordOutcome, RecordQuantity, RecordRun, explain_record, strokes};
 use crate::Verdict;
 use frettrace_identify::contact::{Closure, ContactHistory, Family, FloorSource};
@@ -13,6 +14,9 @@ const MU: f64 = 0.4;
 /// Normal force (N) and the deviation of the force's noise: one part in two hundred of the friction.
 const NORMAL: f64 = 50.0;
 const NOISE: f64 = 0.1;
+/// Speed (m/s) at which a film is as thick as it can be, and the times (s) in which it builds up and drains.
+const FILM_SPEED: f64 = 4e-4;
+const FILM_TIMES: [f64; 2] = [0.04, 0.15];
 const SAMPLES: usize = 400;
 const CYCLES: f64 = 4.0;
 const PARTS: usize = 200;
@@ -23,6 +27,8 @@ struct Truth {
     /// Factor on the friction coefficient by speed, position, sense and course.
     factor: Option<fn(f64, f64, f64) -> f64>,
     wear: f64,
+    /// Share of the friction that a full film takes; 0 for none.
+    film: f64,
     viscous: f64,
     mass: f64,
     half_gap: f64,
@@ -68,7 +74,7 @@ fn run((amplitude, frequency): (f64, f64), place: [f64; 2], truth: &Truth, noise
     };
     // The bristle with its play unfolded: the force is the stretch beyond the play.
     let stretch = |y: f64| y.signum() * (y.abs() - SIGMA0 * truth.half_gap).max(0.0);
-    let mut bristle = 0.0;
+    let (mut bristle, mut film) = (0.0, 0.0);
     // A cycle of running in comes before the record.
     let before = (1.0 / frequency / dt).round() as i64;
     for part in -before..(SAMPLES * PARTS) as i64 {
@@ -76,7 +82,7 @@ fn run((amplitude, frequency): (f64, f64), place: [f64; 2], truth: &Truth, noise
         let (u, v, a) = motion(t);
         let course = place[0] + (place[1] - place[0]) * t / duration;
         let factor = truth.factor.map_or(1.0, |factor| factor(v, u, amplitude));
-        let mu = MU * factor * (1.0 + truth.wear * course);
+        let mu = MU * factor * (1.0 + truth.wear * course) * (1.0 - truth.film * film);
         if part >= 0 && part % PARTS as i64 == 0 {
             let force = NORMAL * stretch(bristle) + truth.viscous * v + truth.mass * a + truth.offset;
             history.time.push(t);
@@ -85,6 +91,10 @@ fn run((amplitude, frequency): (f64, f64), place: [f64; 2], truth: &Truth, noise
             history.acceleration.iter_mut().for_each(|list| list.push(a));
             history.force.push(force + NOISE * noise.normal());
         }
+        let steady = (v.abs() / FILM_SPEED).min(1.0).powf(2.0 / 3.0);
+        let time = if steady > film { FILM_TIMES[0] } else { FILM_TIMES[1] };
+        // After a pause there is none: how much of it a record begins with cannot be seen.
+        film = if part < 0 { 0.0 } else { film + dt * (steady - film) / time };
         bristle += dt * SIGMA0 * v * (1.0 - stretch(bristle) * v.signum() / mu);
     }
     RecordRun { history, progress: place, stated: Some(NOISE) }
@@ -160,6 +170,12 @@ fn falling_friction_is_found() {
     explained_by("friction.stribeck", Truth { factor: Some(factor), ..Truth::default() });
 }
 
+/// A film that drains four times as slowly as it builds up: its thickness lags behind `min(v/v_f, 1)^(2/3)`.
+#[test]
+fn a_film_is_found() {
+    explained_by("friction.film", Truth { film: 0.4, ..Truth::default() });
+}
+
 #[test]
 fn friction_that_differs_between_the_senses_is_found() {
     let factor = |v: f64, _: f64, _: f64| if v > 0.0 { 1.2 } else { 0.8 };
@@ -193,6 +209,28 @@ fn a_moving_mass_is_estimated_with_the_law() {
     // Noise 0.1 N over the 1600 training samples and an rms of 0.02 m/s²: a deviation of 0.1/(0.02·√1600) = 0.13 kg.
     let mass = found.baseline.setting.get(RecordQuantity::Mass).unwrap();
     assert!((mass - 30.0).abs() < 0.5, "{mass}");
+}
+
+/// A normal force that wanders without regard to the motion, and a residual that is a tenth of it with noise of a third of that
+/// share's size: `1/(1 + 1/9) = 0.9` of its power follows the normal force, and nothing follows the motion.
+#[test]
+fn what_a_residual_follows_is_told_by_its_share() {
+    let mut noise = Noise(5);
+    let case = record(&Truth::default(), MovingMass::None);
+    let mut made = |run: &RecordRun| {
+        let mut run = run.clone();
+        run.history.normal = (0..SAMPLES).map(|_| NORMAL + noise.normal()).collect();
+        let residual = run.history.normal.iter().map(|n| 0.1 * (n - NORMAL) + 0.1 / 3.0 * noise.normal());
+        let residual = residual.collect::<Vec<_>>();
+        (run, residual)
+    };
+    let (fitted, of_fitted): (Vec<_>, Vec<_>) = case.training.iter().map(&mut made).unzip();
+    let (judged, of_judged): (Vec<_>, Vec<_>) = case.held_out.iter().map(&mut made).unzip();
+    let found = follows((&fitted, &of_fitted), (&judged, &of_judged));
+    assert_eq!(found[0].input, "normal force");
+    // 400 samples tell a share of 0.9 to 0.1·√(4·0.9/400) = 0.01.
+    assert!((found[0].share - 0.9).abs() < 0.03, "{}", found[0].share);
+    assert!(found[1..].iter().all(|f| f.share < 0.03), "{found:?}");
 }
 
 #[test]

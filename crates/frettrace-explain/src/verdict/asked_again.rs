@@ -98,37 +98,34 @@ impl<'a> Found<'a> {
         if study.held_out.is_empty() { 1.0 } else { study.error(&self.model.fitted, &study.held_out).ratio() }
     }
 
-    /// Whether the model is complete on the runs it was fitted to and misses those held out.
+    /// Whether the declared model follows the runs it was fitted to and misses those held out.
     fn contradicted(&self) -> bool {
-        self.model.complete() && self.held_out_ratio() > CONTRADICTED
+        self.model.effects.is_empty() && self.model.complete() && self.held_out_ratio() > CONTRADICTED
     }
 
-    /// The only name of a model that leaves more than the noise.
+    /// The only name of a model that leaves more than the noise. One that every rival leaves ten times as much as is in no doubt.
     fn doubtful(&self) -> Option<&'static str> {
         let [effect] = self.model.effects[..] else { return None };
         let left = self.model.ratio > LEFT || self.held_out_ratio() > LEFT_HELD_OUT;
-        (left && !self.search.lifts_off).then(|| ALL[effect].id())
+        (left && !self.search.lifts_off && !self.search.other_formula).then(|| ALL[effect].id())
     }
 
     /// What explains better: `self`, or what was found without its name. The other one is its rival.
     fn against(self, other: Self) -> Self {
-        let better = other.model.criterion + EVIDENCE < self.model.criterion;
+        let weight = |found: &Self| found.search.weight(&found.model);
+        let behind = weight(&other) - weight(&self);
         let explains = other.model.effects.len() == 1
-            && (other.model.complete() || !self.model.complete() && other.stands());
-        let (mut chosen, other) = if better && explains { (other, self) } else { (self, other) };
-        chosen.search.rivals.extend(other.model.effects.last().map(|&effect| Rival {
-            effect,
-            criterion: other.model.criterion,
-            excess: other.model.excess(),
-        }));
+            && (other.model.complete() || !self.model.complete() && other.model.sufficient(&other.baseline));
+        let better = explains && behind + EVIDENCE < 0.0;
+        let (mut chosen, other) = if better { (other, self) } else { (self, other) };
+        if explains {
+            let rival =
+                |&effect: &usize| Rival { effect, behind: behind.abs(), excess: other.model.excess() };
+            chosen.search.rivals.extend(other.model.effects.last().map(rival));
+        }
         let known = |id: &str| chosen.search.tried.iter().any(|t| t.id == id);
         let news: Vec<_> = other.search.tried.iter().filter(|t| !known(t.id)).copied().collect();
         chosen.search.tried.extend(news);
         chosen
-    }
-
-    /// Whether its names may stand though more than the noise is left.
-    fn stands(&self) -> bool {
-        self.model.sufficient(&self.baseline) || self.search.other_formula
     }
 }

@@ -185,8 +185,9 @@ impl Search<'_> {
                 100.0 * (1.0 - model.excess() / baseline.excess())
             ));
         }
-        if self.refined {
-            self.notes.push("the model with the effects was fitted on a phase grid twice as fine".into());
+        if self.refined > 0 {
+            self.notes
+                .push(format!("the model was fitted on a phase grid {} times as fine", 1 << self.refined));
         }
         self.notes
             .push("mean friction, preload, mean position and drift cannot be seen by accelerometers".into());
@@ -203,9 +204,8 @@ impl Search<'_> {
     }
 
     fn named(&self, model: &Explained) -> Vec<Named> {
-        let best = model.criterion;
         let close = |effect: usize| {
-            let other = move |r: &&Rival| r.effect != effect && r.criterion - best < EVIDENCE;
+            let other = move |r: &&Rival| r.effect != effect && r.behind < EVIDENCE;
             self.rivals.iter().filter(other)
         };
         model
@@ -215,8 +215,7 @@ impl Search<'_> {
             .enumerate()
             .map(|(k, (&effect, &sensor))| {
                 let last = k + 1 == model.effects.len();
-                let odds: f64 =
-                    if last { close(effect).map(|r| (0.5 * (best - r.criterion)).exp()).sum() } else { 0.0 };
+                let odds: f64 = if last { close(effect).map(|r| (-0.5 * r.behind).exp()).sum() } else { 0.0 };
                 Named {
                     id: ALL[effect].id(),
                     probability: 1.0 / (1.0 + odds),

@@ -81,10 +81,11 @@ impl Search<'_> {
             self.tried.push(Tried { id, error, evidence });
         }
         self.settle_simpler(&mut found);
-        let best = found.first()?.criterion;
+        let weights = self.weighed(&mut found);
+        let best = *weights.first()?;
         // A richer effect that contains a simpler one must earn its name against it.
-        let simpler = found.iter().position(|one| {
-            (one.criterion < best + EVIDENCE || self.forgets(&found[0]))
+        let simpler = found.iter().zip(&weights).position(|(one, weight)| {
+            (*weight < best + EVIDENCE || self.forgets(&found[0]))
                 && one.complete() == found[0].complete()
                 && one.effects.last().is_some_and(|&e| contained(found[0].effects.last(), e))
         });
@@ -95,14 +96,35 @@ impl Search<'_> {
             |one: &Explained| self.forgets(one) && name.is_some_and(|e| contained(one.effects.last(), e));
         self.rivals = found
             .iter()
-            .filter(|one| !same(one))
-            .filter_map(|one| {
-                let rival =
-                    |&effect: &usize| Rival { effect, criterion: one.criterion, excess: one.excess() };
-                one.effects.last().map(rival)
+            .zip(&weights)
+            .filter(|(one, _)| !same(one))
+            .filter_map(|(one, weight)| {
+                let behind = weight - weights[chosen];
+                one.effects.last().map(|&effect| Rival { effect, behind, excess: one.excess() })
             })
             .collect();
         Some(found.swap_remove(chosen))
+    }
+
+    /// What each model costs, the least first. Where several are complete they may differ by little on the runs that they were
+    /// fitted to: among those, what they foretell of the others counts as much.
+    fn weighed(&self, found: &mut [Explained]) -> Vec<f64> {
+        if !found.first().is_some_and(Explained::complete) {
+            return found.iter().map(|one| one.criterion).collect();
+        }
+        let mut weights: Vec<f64> =
+            (found.iter()).map(|one| if one.complete() { self.weight(one) } else { f64::INFINITY }).collect();
+        let mut order: Vec<usize> = (0..found.len()).collect();
+        order.sort_by(|&a, &b| weights[a].total_cmp(&weights[b]));
+        let sorted: Vec<Explained> = order.iter().map(|&k| found[k].clone()).collect();
+        found.clone_from_slice(&sorted);
+        weights.sort_by(f64::total_cmp);
+        weights
+    }
+
+    /// `χ² + k ln n` of the fitted runs and χ² of those held out.
+    pub(super) fn weight(&self, one: &Explained) -> f64 {
+        one.criterion + self.study.foretold(&one.fitted)
     }
 
     /// Whether the law has a memory of the motion and all its times are below the step of the phase grid: none that could be
@@ -116,19 +138,30 @@ impl Search<'_> {
         longest > 0.0 && longest < step.fold(f64::INFINITY, f64::min)
     }
 
-    /// Fits all that come near the best to their end where the best is not complete, on the finer grid too if that is what they
-    /// lack: who is ahead halfway need not win.
+    /// Fits all that come near the best to their end: who is ahead halfway need not win. Where none is complete the finer grid is
+    /// tried too, if that is what they lack.
     fn settle_close(&mut self, found: &mut Vec<Explained>) {
-        let Some(first) = found.first().filter(|first| !first.complete()) else { return };
+        let Some(first) = found.first() else { return };
+        let ended = |study: &Study<'_>, found: &[Explained]| -> Vec<Explained> {
+            found.par_iter().map(|one| study.polished(one).unwrap_or_else(|_| one.clone())).collect()
+        };
+        if first.complete() {
+            // Those that are complete too were no longer told apart by where their fits had come to.
+            let (complete, others): (Vec<_>, Vec<_>) = found.drain(..).partition(Explained::complete);
+            let polished = if complete.len() > 1 { ended(&self.study, &complete) } else { complete.clone() };
+            let better = complete.into_iter().zip(polished);
+            found.extend(
+                better.map(|(one, longer)| if longer.criterion < one.criterion { longer } else { one }),
+            );
+            found.extend(others);
+            return;
+        }
         let reach = CLOSE * first.excess();
         let close = found.iter().filter(|one| one.excess() < reach).count();
         if close < 2 {
             return;
         }
         found.sort_by(|a, b| a.excess().total_cmp(&b.excess()));
-        let ended = |study: &Study<'_>, found: &[Explained]| -> Vec<Explained> {
-            found.par_iter().map(|one| study.polished(one).unwrap_or_else(|_| one.clone())).collect()
-        };
         // The others are asked where the best one's longer way does not end at the noise.
         for part in [0..1, 1..close] {
             let polished = ended(&self.study, &found[part.clone()]);
@@ -142,7 +175,7 @@ impl Search<'_> {
             }
         }
         let least = |of: &[Explained]| of.iter().map(Explained::excess).fold(f64::INFINITY, f64::min);
-        if !self.refined
+        if self.refined == 0
             && !found.iter().any(Explained::complete)
             && least(found) < NEAR * NEAR
             && let Ok(study) = self.study.refined()
@@ -150,7 +183,7 @@ impl Search<'_> {
             let finer = ended(&study, &found[..close]);
             if least(&finer) < FINER * least(found) {
                 self.coarse = Some(std::mem::replace(&mut self.study, study));
-                self.refined = true;
+                self.refined = 1;
                 *found = finer;
             }
         }
