@@ -69,8 +69,8 @@ struct Search<'a> {
     other_formula: bool,
     /// Whether the last effect is a lift-off that only runs without a period show.
     lifts_off: bool,
-    /// The study on its plain grid, while it is not settled that the finer one stays.
-    coarse: Option<Study<'a>>,
+    /// The study before its grid was made finer, and how often it had been, while it is not settled that the finer one stays.
+    coarse: Option<(Study<'a>, usize)>,
     /// The declared law on the contacts recovered with the declared structure.
     recovered_law: Option<ModifiedLaw<f64>>,
     /// Errors of the declared model: training runs, then held-out runs where there are any.
@@ -296,7 +296,7 @@ impl Search<'_> {
             let Ok(study) = self.study.refined() else { break };
             match study.polished(&current) {
                 Ok(better) if better.excess() < FINER * current.excess() => {
-                    let coarser = std::mem::replace(&mut self.study, study);
+                    let coarser = (std::mem::replace(&mut self.study, study), self.refined);
                     self.coarse.get_or_insert(coarser);
                     self.refined += 1;
                     current = better;
@@ -309,8 +309,8 @@ impl Search<'_> {
 
     /// Back to the plain grid, where a model on the finer one is not kept.
     fn coarsened(&mut self) {
-        if let Some(study) = self.coarse.take() {
-            (self.study, self.refined) = (study, 0);
+        if let Some(coarse) = self.coarse.take() {
+            (self.study, self.refined) = coarse;
         }
     }
 

@@ -81,7 +81,7 @@ impl Search<'_> {
             self.tried.push(Tried { id, error, evidence });
         }
         self.settle_simpler(&mut found);
-        let weights = self.weighed(&mut found);
+        let (weights, mut found) = self.weighed(found);
         let best = *weights.first()?;
         // A richer effect that contains a simpler one must earn its name against it.
         let simpler = found.iter().zip(&weights).position(|(one, weight)| {
@@ -108,18 +108,16 @@ impl Search<'_> {
 
     /// What each model costs, the least first. Where several are complete they may differ by little on the runs that they were
     /// fitted to: among those, what they foretell of the others counts as much.
-    fn weighed(&self, found: &mut [Explained]) -> Vec<f64> {
-        if !found.first().is_some_and(Explained::complete) {
-            return found.iter().map(|one| one.criterion).collect();
-        }
-        let mut weights: Vec<f64> =
-            (found.iter()).map(|one| if one.complete() { self.weight(one) } else { f64::INFINITY }).collect();
-        let mut order: Vec<usize> = (0..found.len()).collect();
-        order.sort_by(|&a, &b| weights[a].total_cmp(&weights[b]));
-        let sorted: Vec<Explained> = order.iter().map(|&k| found[k].clone()).collect();
-        found.clone_from_slice(&sorted);
-        weights.sort_by(f64::total_cmp);
-        weights
+    fn weighed(&self, found: Vec<Explained>) -> (Vec<f64>, Vec<Explained>) {
+        let some = found.first().is_some_and(Explained::complete);
+        let weight = |one: &Explained| match (some, one.complete()) {
+            (true, true) => self.weight(one),
+            (true, false) => f64::INFINITY,
+            (false, _) => one.criterion,
+        };
+        let mut all: Vec<(f64, Explained)> = found.into_iter().map(|one| (weight(&one), one)).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all.into_iter().unzip()
     }
 
     /// `χ² + k ln n` of the fitted runs and χ² of those held out.
@@ -182,7 +180,7 @@ impl Search<'_> {
         {
             let finer = ended(&study, &found[..close]);
             if least(&finer) < FINER * least(found) {
-                self.coarse = Some(std::mem::replace(&mut self.study, study));
+                self.coarse = Some((std::mem::replace(&mut self.study, study), 0));
                 self.refined = 1;
                 *found = finer;
             }
@@ -243,7 +241,7 @@ impl Search<'_> {
         }
         let rivals = std::mem::take(&mut self.rivals);
         let candidates = if current.fitted.setting.ports.is_empty() {
-            self.coarse.as_ref().unwrap_or(&self.study).tangent_candidates(current)
+            self.coarse.as_ref().map_or(&self.study, |(study, _)| study).tangent_candidates(current)
         } else {
             Vec::new()
         };
