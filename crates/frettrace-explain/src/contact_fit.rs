@@ -11,7 +11,7 @@ use frettrace_forward::accelerations::{AccelerationError, AccelerationModel, Bal
 use frettrace_fourier::{Grid, GridError};
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 use frettrace_identify::{Fit, FitSettings, IdentifyError, Model, NoSolution, Parameter, fit};
-pub(crate) use march::{LANES, seeded};
+pub(crate) use march::{LANES, columns};
 use nalgebra::{DMatrix, DMatrixViewMut};
 use num_complex::Complex64;
 use std::sync::Arc;
@@ -133,32 +133,32 @@ impl Recovered {
     }
 
     fn residual(&self, law: &ModifiedLaw<f64>, modulation: usize, out: &mut [f64]) {
-        let lines = self.lines(&self.answer(law, modulation));
+        self.left(&self.answer(law, modulation), out);
+    }
+
+    /// The residual, and its derivatives by the hooks of a law, a column each.
+    fn linearise(
+        &self,
+        (law, modulation): (&ModifiedLaw<f64>, usize),
+        hooks: &[(usize, Hook)],
+        (residual, jacobian): (&mut [f64], DMatrixViewMut<'_, f64>),
+    ) {
+        let (state, force) = self.settled(law, modulation);
+        self.left(&force, residual);
+        let whitened = |samples: &[f64]| {
+            let lines = self.lines(samples);
+            (1..self.force.len()).map(|h| lines[h] / self.deviation[h]).collect()
+        };
+        columns((law, hooks), jacobian, |law| self.slopes(law, modulation, state), whitened);
+    }
+
+    /// Recovered less answered force over the deviations.
+    fn left(&self, answered: &[f64], out: &mut [f64]) {
+        let lines = self.lines(answered);
         for h in 1..self.force.len() {
             let left = (self.force[h] - lines[h]) / self.deviation[h];
             out[2 * h - 2] = left.re;
             out[2 * h - 1] = left.im;
-        }
-    }
-
-    /// Derivatives of the residual by the hooks of a law, a column each.
-    fn jacobian(
-        &self,
-        (law, modulation): (&ModifiedLaw<f64>, usize),
-        hooks: &[(usize, Hook)],
-        mut out: DMatrixViewMut<'_, f64>,
-    ) {
-        let (state, _) = self.settled(law, modulation);
-        for block in hooks.chunks(LANES) {
-            let force = self.slopes(&seeded(law, block), modulation, state);
-            for (lane, (column, _)) in block.iter().enumerate() {
-                let lines = self.lines(&force.iter().map(|f| f.slopes[lane]).collect::<Vec<_>>());
-                for h in 1..self.force.len() {
-                    let slope = -lines[h] / self.deviation[h];
-                    out[(2 * h - 2, *column)] = slope.re;
-                    out[(2 * h - 1, *column)] = slope.im;
-                }
-            }
         }
     }
 
@@ -268,25 +268,28 @@ impl Model for ContactProblem<'_> {
         &self,
         values: &[f64],
         free: &[bool],
-        memory: &mut (),
+        _memory: &mut (),
         target: (&mut [f64], &mut DMatrix<f64>),
     ) -> Result<(), NoSolution> {
         let (residual, jacobian) = target;
-        self.residual(values, memory, residual)?;
         let law = self.at(values);
         let hooks: Vec<(usize, Hook)> =
             self.hooks.iter().copied().enumerate().filter(|(j, _)| free[*j]).collect();
         let mut at = 0;
         for recovered in &self.recovered.periodic {
-            let rows = jacobian.rows_mut(at, recovered.count());
-            recovered.jacobian((&law, self.modulation), &hooks, rows);
-            at += recovered.count();
+            let rows = at..at + recovered.count();
+            let part = (&mut residual[rows.clone()], jacobian.rows_mut(rows.start, rows.len()));
+            recovered.linearise((&law, self.modulation), &hooks, part);
+            at = rows.end;
         }
         for series in &self.recovered.series {
-            series.jacobian(&law, &hooks, jacobian.rows_mut(at, series.count()));
-            at += series.count();
+            let rows = at..at + series.count();
+            let part = (&mut residual[rows.clone()], jacobian.rows_mut(rows.start, rows.len()));
+            series.linearise(&law, &hooks, part);
+            at = rows.end;
         }
-        if jacobian.iter().all(|slope| slope.is_finite()) { Ok(()) } else { Err(NoSolution) }
+        let finite = residual.iter().chain(jacobian.iter()).all(|value| value.is_finite());
+        if finite { Ok(()) } else { Err(NoSolution) }
     }
 }
 

@@ -4,7 +4,7 @@
 //! the recovered force in the bins the sensors know. The record is tapered, so that the unknown state at its start, a
 //! tenth of it, does not matter.
 
-use crate::contact_fit::{LANES, seeded};
+use crate::contact_fit::columns;
 use frettrace_fourier::tapered_spectrum;
 use frettrace_friction::effects::{Circumstance, Hook, ModifiedLaw};
 use frettrace_friction::{Scalar, Step};
@@ -136,25 +136,19 @@ impl SeriesContact {
         }
     }
 
-    /// Derivatives of the residual by the hooks of a law, a column each.
-    pub fn jacobian(
+    /// The residual, and its derivatives by the hooks of a law, a column each.
+    pub fn linearise(
         &self,
         law: &ModifiedLaw<f64>,
         hooks: &[(usize, Hook)],
-        mut out: DMatrixViewMut<'_, f64>,
+        (residual, jacobian): (&mut [f64], DMatrixViewMut<'_, f64>),
     ) {
-        for block in hooks.chunks(LANES) {
-            let force = self.answer(&seeded(law, block));
-            for (lane, (column, _)) in block.iter().enumerate() {
-                let slopes: Vec<f64> = force.iter().map(|f| f.slopes[lane]).collect();
-                let moved = Series::amplitudes(&slopes);
-                for (row, (k, deviation)) in self.bins.iter().enumerate() {
-                    let slope = -moved[*k] / *deviation;
-                    out[(2 * row, *column)] = slope.re;
-                    out[(2 * row + 1, *column)] = slope.im;
-                }
-            }
-        }
+        self.residual(law, residual);
+        let whitened = |samples: &[f64]| {
+            let bins = Series::amplitudes(samples);
+            self.bins.iter().map(|(k, deviation)| bins[*k] / *deviation).collect()
+        };
+        columns((law, hooks), jacobian, |law| self.answer(law), whitened);
     }
 
     /// χ² of a law.

@@ -3,6 +3,7 @@
 use crate::case::Scales;
 use crate::records::power;
 use crate::series_fit::SeriesContact;
+use crate::split::{Split, by_level};
 use crate::start;
 use crate::{AccelerationFit, Case, Clipped, RunRecord, Unknown};
 use frettrace_forward::accelerations::{
@@ -36,17 +37,6 @@ pub enum ExplainError {
 /// Periods of the excitation for which a law with partial slip, whose steps are many times as dear as others, is marched
 /// along a run that is not periodic.
 const PARTIAL_SLIP_PERIODS: f64 = 8.0;
-
-/// Which runs are held out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Split {
-    /// What an explanation begins with.
-    First,
-    /// Others than in the first: where those contradict what was fitted.
-    Second,
-    /// A single one: where the others contradict it too.
-    One,
-}
 
 /// A case with its split and its model.
 pub struct Study<'a> {
@@ -122,7 +112,7 @@ impl<'a> Study<'a> {
         if periodic.is_empty() {
             return Err(ExplainError::NothingPeriodic { periodic: 0, runs: case.records.len() });
         }
-        let held_out = held_out(&by_level(case, &periodic), split);
+        let held_out = split.held_out(&by_level(case, &periodic));
         let training: Vec<usize> = periodic.into_iter().filter(|k| !held_out.contains(k)).collect();
         let lines = case.records.iter().map(|r| model_lines(case, r)).collect();
         let model = AccelerationModel::new(case.rig.clone(), lines)?;
@@ -397,53 +387,8 @@ fn deviations(problem: &AccelerationFit<'_>, found: &Fit, memory: &Memory) -> Ve
     )
 }
 
-/// The runs by level, the lowest first.
-fn by_level(case: &Case, runs: &[usize]) -> Vec<usize> {
-    let level = |k: usize| case.records[k].power.iter().sum::<f64>();
-    let mut ranked = runs.to_vec();
-    ranked.sort_by(|&a, &b| level(a).total_cmp(&level(b)));
-    ranked
-}
-
-/// Which of the runs, ranked by level, are held out: the second highest and, of six or more, an interior one; each the next lower
-/// one; one in the middle. Three runs or fewer are all fitted.
-fn held_out(ranked: &[usize], split: Split) -> Vec<usize> {
-    let n = ranked.len();
-    let places = match (split, n) {
-        (_, 0..=3) => Vec::new(),
-        (Split::First, 4 | 5) => vec![n - 2],
-        (Split::First, _) => vec![n / 2 - 1, n - 2],
-        (Split::Second, 4 | 5) => vec![n - 3],
-        (Split::Second, _) => vec![n / 2 - 2, n - 3],
-        (Split::One, _) => vec![n / 2],
-    };
-    places.into_iter().map(|place| ranked[place]).collect()
-}
-
 /// Replaces or adds unknowns by their quantity.
 pub(crate) fn merge(unknowns: &[Unknown], added: &[Unknown]) -> Vec<Unknown> {
     let replaced = |q: Quantity| added.iter().any(|a| a.quantity == q);
     unknowns.iter().filter(|u| !replaced(u.quantity)).chain(added).cloned().collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The splits have no run in common, and the highest level is always fitted, so that none is extrapolated; nor is the lowest of
-    /// six or more.
-    #[test]
-    fn splits_hold_out_other_runs() {
-        for n in 4..12 {
-            let ranked: Vec<usize> = (0..n).map(|k| 10 + k).collect();
-            let [first, second, one] =
-                [Split::First, Split::Second, Split::One].map(|split| held_out(&ranked, split));
-            assert_eq!([first.len(), second.len(), one.len()], if n < 6 { [1, 1, 1] } else { [2, 2, 1] });
-            assert!(first.iter().all(|run| !second.contains(run)), "{n}");
-            let all = || first.iter().chain(&second).chain(&one);
-            assert!(all().all(|run| *run < 10 + n - 1), "{n}");
-            assert!(n < 6 || all().all(|run| *run > 10), "{n}");
-        }
-        assert_eq!(held_out(&[1, 2, 3], Split::First), []);
-    }
 }

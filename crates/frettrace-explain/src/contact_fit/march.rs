@@ -3,6 +3,8 @@
 use super::Recovered;
 use frettrace_friction::effects::{Circumstance, Hook, ModifiedLaw, ModifiedState};
 use frettrace_friction::{Gradient, Scalar, Step};
+use nalgebra::DMatrixViewMut;
+use num_complex::Complex64;
 
 /// Directions differentiated at once: a cache line of slopes.
 pub(crate) const LANES: usize = 8;
@@ -118,10 +120,26 @@ fn modulated<T: Scalar>(law: &ModifiedLaw<T>, modulation: usize) -> Option<usize
     law.get(Hook::ModulationCosine).map(|_| modulation)
 }
 
-/// The law with the hooks of a block as variables, each in the lane of its place.
-pub(crate) fn seeded(law: &ModifiedLaw<f64>, block: &[(usize, Hook)]) -> ModifiedLaw<Gradient<LANES>> {
-    law.lift(|hook, value| match block.iter().position(|(_, free)| *free == hook) {
-        Some(lane) => Gradient::variable(value, lane),
-        None => Gradient::constant(value),
-    })
+/// Writes the derivatives of minus the whitened force by the hooks of a law, each with its column: `answer` is the force of the law,
+/// `whitened` turns its samples, linearly, into what is compared.
+pub(crate) fn columns(
+    (law, hooks): (&ModifiedLaw<f64>, &[(usize, Hook)]),
+    mut out: DMatrixViewMut<'_, f64>,
+    answer: impl Fn(&ModifiedLaw<Gradient<LANES>>) -> Vec<Gradient<LANES>>,
+    whitened: impl Fn(&[f64]) -> Vec<Complex64>,
+) {
+    for block in hooks.chunks(LANES) {
+        let seeded = law.lift(|hook, value| match block.iter().position(|(_, free)| *free == hook) {
+            Some(lane) => Gradient::variable(value, lane),
+            None => Gradient::constant(value),
+        });
+        let force = answer(&seeded);
+        for (lane, (column, _)) in block.iter().enumerate() {
+            let slopes: Vec<f64> = force.iter().map(|f| f.slopes[lane]).collect();
+            for (row, slope) in whitened(&slopes).iter().enumerate() {
+                out[(2 * row, *column)] = -slope.re;
+                out[(2 * row + 1, *column)] = -slope.im;
+            }
+        }
+    }
 }

@@ -265,17 +265,21 @@ fn factors_of_a_product_are_not_identifiable() {
     );
 }
 
+/// Two readings, `a + b = 1.1 ± 0.001` and `b = 0.1 ± 0.001`.
+fn sum_and_part(parameters: [Parameter; 2]) -> Pair {
+    Pair {
+        parameters,
+        residual: |[a, b]| [(a + b - 1.1) / 1e-3, (b - 0.1) / 1e-3],
+        slopes: |_| [1e3, 1e3, 0.0, 1e3],
+    }
+}
+
 /// `b` is known to a standard deviation of 1 %. With an accuracy of a quarter on top its half interval is 49 %, more than the 35 % of
 /// what counts as known; with one of a tenth it is 20 %. That of the sum is `1.96 √(1² + 0.1²)/1.1 = 1.8` times the accuracy.
 #[test]
 fn what_widening_leaves_too_wide_is_not_identifiable() {
     let parameter = |name: &str| Parameter::positive(name, "m", (1e-6, 1e6)).told_by("weigh them");
-    // Two readings, `a + b = 1.1 ± 0.001` and `b = 0.1 ± 0.001`.
-    let model = Pair {
-        parameters: [parameter("a"), parameter("b")],
-        residual: |[a, b]| [(a + b - 1.1) / 1e-3, (b - 0.1) / 1e-3],
-        slopes: |_| [1e3, 1e3, 0.0, 1e3],
-    };
+    let model = sum_and_part([parameter("a"), parameter("b")]);
     let fit = fit(&model, &[1.0, 0.2], &FitSettings::default()).unwrap();
     let widest = IdentifySettings::default().widest;
     let settled = |accuracy: f64| {
@@ -307,12 +311,7 @@ fn what_widening_leaves_too_wide_is_not_identifiable() {
 #[test]
 fn a_sum_may_be_known_where_a_part_is_not() {
     let parameter = |name: &str| Parameter::positive(name, "m", (1e-6, 1e6));
-    // Two readings, `a + b = 1.1 ± 0.001` and `b = 0.1 ± 0.001`.
-    let model = Pair {
-        parameters: [parameter("a"), parameter("b")],
-        residual: |[a, b]| [(a + b - 1.1) / 1e-3, (b - 0.1) / 1e-3],
-        slopes: |_| [1e3, 1e3, 0.0, 1e3],
-    };
+    let model = sum_and_part([parameter("a"), parameter("b")]);
     let mut fit = fit(&model, &[1.0, 0.2], &FitSettings::default()).unwrap();
     // χ² a thousand times too large: readings good to √1000 times what they claim, 32 % of `b`.
     fit.data_cost = 1000.0;
