@@ -72,7 +72,7 @@ pub fn analyse(run: &RunData<'_>, sensors: &[Sensor], choice: FormChoice) -> Res
     let mut found = Projection::new(run, base, 1).map_err(failed)?;
     let noise_std = noise(sensors, &found);
     let mut order = 1;
-    if choice != FormChoice::Harmonic {
+    if matches!(choice, FormChoice::Auto | FormChoice::Subharmonic) {
         let residuals: Vec<&[f64]> = found.accelerations.iter().map(|p| p.residual.as_slice()).collect();
         let search = Subharmonics { base, sampling_rate: run.sampling_rate, noise_std: &noise_std };
         let forced = choice == FormChoice::Subharmonic;
@@ -92,6 +92,7 @@ pub fn analyse(run: &RunData<'_>, sensors: &[Sensor], choice: FormChoice) -> Res
     let least = if stands_out { CONSPICUOUS_SHARE } else { APERIODIC_SHARE };
     let form = match (choice, order) {
         (FormChoice::Auto, _) if share > least => Form::Aperiodic,
+        (FormChoice::Aperiodic, _) => Form::Aperiodic,
         (_, 1) => Form::Harmonic,
         _ => Form::Subharmonic,
     };

@@ -3,9 +3,10 @@
 use crate::balance::LineBalance;
 use crate::calibration::Equations;
 use crate::contact::Setting;
-use crate::dynamics::LineReceptances;
+use crate::dynamics::{LineReceptances, Load};
 use crate::{Rig, RunData, RunLines};
 use frettrace_beam::{Dof, Freedom};
+use num_complex::Complex64;
 
 /// What a person should look at before trusting the result.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,6 +41,11 @@ pub enum Finding {
         /// Measured over true; 0.102 means that it is in units of g.
         gain: f64,
     },
+    /// All sensors contradict the force alike; with this gain on all of them the balance closes.
+    CommonGain {
+        /// Measured over what the force makes; 0.102 means that all are in units of g.
+        gain: f64,
+    },
     /// A sensor at a node of a measured mode: it says nothing of it.
     SensorAtNode {
         /// Index of the sensor.
@@ -70,6 +76,12 @@ impl std::fmt::Display for Finding {
                     "sensor {sensor} reads {gain:.4} of what the others imply: check its calibration or unit"
                 )
             }
+            Self::CommonGain { gain } => {
+                write!(
+                    out,
+                    "all sensors read {gain:.4} of what the force makes: check the unit of the accelerations and of the force"
+                )
+            }
             Self::SensorAtNode { sensor, mode } => {
                 write!(out, "sensor {sensor} sits at a node of mode {}: it says nothing of it", mode + 1)
             }
@@ -83,6 +95,18 @@ impl std::fmt::Display for Finding {
     }
 }
 
+impl Finding {
+    /// Whether other findings say why: a channel that is clipped, or another one's copy, has the wrong gain too.
+    pub(crate) fn follows(&self, from: &[Self]) -> bool {
+        let Self::SensorGain { sensor, .. } = self else { return false };
+        from.iter().any(|other| match other {
+            Self::ClippedSensor { sensor: clipped, .. } => clipped == sensor,
+            Self::DuplicatedSensors { sensors } => sensors.contains(sensor),
+            _ => false,
+        })
+    }
+}
+
 /// Share of the largest level below which a sensor is dead: nodes of the motion leave more.
 const DEAD: f64 = 1e-5;
 /// Share of samples at the extreme value from which a channel is clipped.
@@ -92,6 +116,9 @@ const NODE: f64 = 0.01;
 /// Reduced chi-square of the balance from which a sensor is suspected, and the share that may be left without the fault.
 const CONSPICUOUS: f64 = 20.0;
 const LEFT: f64 = 0.02;
+/// A unit that is taken for another is off by this factor at least, and by no phase: the imaginary share that noise may leave.
+const UNIT: f64 = 2.0;
+const PHASE: f64 = 0.05;
 /// Lines that are looked at: the strongest ones stand first.
 const LINES: usize = 3;
 
@@ -176,8 +203,29 @@ pub(crate) fn of_balance(setting: &Setting<'_>, run: &Equations<'_>) -> Option<F
     let (sensor, after) = (0..sensors)
         .map(|sensor| (sensor, reduced(setting, run, &without(run.lines, sensor))))
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let gain = gain(setting, run, sensor)?;
-    (after < LEFT * before).then_some(Finding::SensorGain { sensor, gain })
+    if after < LEFT * before {
+        return Some(Finding::SensorGain { sensor, gain: gain(setting, run, sensor)? });
+    }
+    common_gain(setting, run, before)
+}
+
+/// A gain `g` on all sensors, `a = g (H_e F_e + H_u f_u)`: with the exciter's force as one more unknown the balance closes, and that force is
+/// `g F_e`. It is told on the line where the force is strongest.
+fn common_gain(setting: &Setting<'_>, run: &Equations<'_>, before: f64) -> Option<Finding> {
+    let mut lines = run.lines.clone();
+    lines.force.coefficients.fill(Complex64::ZERO);
+    let loads = run.loads.iter().copied().chain([Load::Exciter]).collect();
+    let freed = Equations::new(run.lines, loads);
+    if reduced(setting, &freed, &lines) >= LEFT * before {
+        return None;
+    }
+    let gains = balances(setting, &freed, &lines).into_iter().filter_map(|(line, balance)| {
+        let measured = run.lines.force.coefficients[(line.omega() / lines.force.base).round() as usize];
+        Some((measured.norm(), balance.forces.last()? / measured))
+    });
+    let (_, gain) = gains.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let is_unit = !(UNIT.recip()..UNIT).contains(&gain.re) && gain.im.abs() < PHASE * gain.re;
+    is_unit.then_some(Finding::CommonGain { gain: gain.re })
 }
 
 /// The lines with one sensor's weight taken away.
@@ -225,7 +273,7 @@ fn gain(setting: &Setting<'_>, run: &Equations<'_>, sensor: usize) -> Option<f64
     let lines = without(run.lines, sensor);
     let (line, balance) = balances(setting, run, &lines).into_iter().next()?;
     let h = (line.omega() / lines.force.base).round() as usize;
-    let mut predicted = line.acceleration(sensor, crate::Load::Exciter) * run.lines.force.coefficients[h];
+    let mut predicted = line.acceleration(sensor, Load::Exciter) * run.lines.force.coefficients[h];
     for (load, force) in run.loads.iter().zip(&balance.forces) {
         predicted += line.acceleration(sensor, *load) * force;
     }

@@ -6,7 +6,7 @@
 //! | real modes of the level | `Σ_{n ≤ K} ψ_n(x_s) q_n(t)`, real shapes of each run: the principal components of its lines |
 //! | harmonic balance | `Re Σ_h a_h(x_s) e^{ihΩt}`, complex shapes of each line, made of receptances and recovered forces |
 
-use crate::{Rig, RunReconstruction};
+use crate::{Form, Rig, RunReconstruction};
 use faer::linalg::solvers::SolveLstsq;
 use faer::{Mat, Side};
 use frettrace_beam::Dof;
@@ -34,9 +34,13 @@ pub struct ModeComparison {
     pub coordinate: f64,
 }
 
-/// Compares the hypotheses on one run; `None` without lines or with a single sensor.
+/// Compares the hypotheses on one run; `None` with a single sensor, and for a run that is not periodic: its motion is no sum of the lines that
+/// the hypotheses describe.
 #[must_use]
 pub fn compare_modes(rig: &Rig, run: &RunReconstruction) -> Option<ModeComparison> {
+    if run.lines.form == Form::Aperiodic {
+        return None;
+    }
     let contact = run.contact.as_ref()?;
     let measured = line_rows(&run.lines.accelerations);
     let fitted = line_rows(&contact.acceleration_fit);

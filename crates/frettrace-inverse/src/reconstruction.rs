@@ -98,10 +98,9 @@ pub fn reconstruct(
     }
     let setting = Setting { splines: options.splines, ..setting(rig, &structure, &dynamics) };
     let mut findings = findings::of_channels(rig, runs);
-    findings
-        .extend(loudest(&lines).and_then(|run| {
-            findings::of_balance(&setting, &Equations::new(&lines[run], loads[run].clone()))
-        }));
+    let told = loudest(&lines)
+        .and_then(|run| findings::of_balance(&setting, &Equations::new(&lines[run], loads[run].clone())));
+    findings.extend(told.filter(|finding| !finding.follows(&findings)));
     let solved: Vec<(RunBalance, Vec<Load>)> = equations
         .par_iter()
         .zip(runs)
@@ -215,7 +214,7 @@ fn finish(
     let mut notes = Vec::new();
     if lines.form == Form::Aperiodic {
         notes.push(format!(
-            "not periodic: {:.2} % of the power lies outside all lines; balanced over the whole spectrum, drift slower than the record left out",
+            "not taken as periodic: {:.2} % of the power lies outside all lines; balanced over the whole spectrum, drift slower than the record left out",
             100.0 * lines.aperiodic_share
         ));
     }

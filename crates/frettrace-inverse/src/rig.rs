@@ -81,6 +81,8 @@ pub enum FormChoice {
     Harmonic,
     /// Lines at multiples of a fraction of the excitation frequency; the order by evidence, at least two.
     Subharmonic,
+    /// No lines but the exciter's: the whole spectrum is balanced, bin by bin.
+    Aperiodic,
 }
 
 /// Options of a reconstruction.

@@ -95,6 +95,8 @@ fn sensor_faults_are_named() {
     assert!(with(&|a| a[3] = a[2].clone()).contains(&Finding::DuplicatedSensors { sensors: [2, 3] }));
     let clipped = with(&|a| a[1].iter_mut().for_each(|v| *v = v.clamp(-2.0, 2.0)));
     assert!(clipped.iter().any(|f| matches!(f, Finding::ClippedSensor { sensor: 1, .. })), "{clipped:?}");
+    // What is clipped has no gain besides.
+    assert!(!clipped.iter().any(|f| matches!(f, Finding::SensorGain { sensor: 1, .. })), "{clipped:?}");
     // In units of g: 1/9.80665 of the value in m/s².
     let scaled = with(&|a| a[4].iter_mut().for_each(|v| *v /= 9.80665));
     let gain = scaled.iter().find_map(|f| match f {
@@ -102,6 +104,10 @@ fn sensor_faults_are_named() {
         _ => None,
     });
     assert!(gain.is_some_and(|g| (g * 9.80665 - 1.0).abs() < 0.01), "{scaled:?}");
+    // All of them in g: the force tells, whatever the noise is said to be.
+    let all = with(&|a| a.iter_mut().flatten().for_each(|v| *v /= 9.80665));
+    let gain = all.iter().find_map(|f| if let Finding::CommonGain { gain } = f { Some(*gain) } else { None });
+    assert!(gain.is_some_and(|g| (g * 9.80665 - 1.0).abs() < 0.05), "{all:?}");
 }
 
 fn empty() -> Record {

@@ -4,7 +4,7 @@
 
 mod oracle;
 
-use frettrace_inverse::{Form, FormChoice, Options, Reconstruction, Rig, reconstruct};
+use frettrace_inverse::{Form, FormChoice, Options, Reconstruction, Rig, compare_modes, reconstruct};
 use oracle::{Loads, Oracle, Record, SECOND, error, nothing, saturating};
 use std::f64::consts::TAU;
 
@@ -114,7 +114,34 @@ fn beating_is_recognised_and_solved() {
     assert!(over < 1.05, "the ends of the record must be fitted too: {over}");
 }
 
-/// The same with a reaction that is not the support's linear spring: what is bound leaves the residual, so it is freed.
+/// A periodic run over its whole spectrum says what its lines say: friction, slip velocity and normal force differ by no more than both are
+/// allowed to miss the truth by, and the slip by what is slower than the record besides.
+#[test]
+fn the_whole_spectrum_agrees_with_the_lines() {
+    let oracle = Oracle::new(STIFFNESS, &SENSORS);
+    let record = recorded(&oracle, &plain(), 2.5);
+    let rig = oracle.declared(&SENSORS, NOISE, 6, 0.0);
+    let lines = solve(&rig, &record);
+    let options = Options { form: FormChoice::Aperiodic, ..Options::default() };
+    let whole = reconstruct(&rig, &[record.run(FREQUENCY)], &options).unwrap();
+    assert_eq!((lines.runs[0].lines.form, whole.runs[0].lines.form), (Form::Harmonic, Form::Aperiodic));
+    // Modes of lines are compared where there are lines.
+    let compared = [&lines, &whole].map(|found| compare_modes(&rig, &found.runs[0]).is_some());
+    assert_eq!(compared, [true, false]);
+    check(&whole, &record, [0.05, 0.2, 0.05, 0.05]);
+    let (lines, whole) = (&lines.runs[0], &whole.runs[0]);
+    let differences = [
+        error(&whole.friction_force.values, &lines.friction_force.values),
+        error(&whole.slip_displacement.values, &lines.slip_displacement.values),
+        error(&whole.slip_velocity.values, &lines.slip_velocity.values),
+        error(&whole.normal_force.values, &lines.normal_force.values),
+    ];
+    for (difference, limit) in differences.iter().zip([0.06, 0.2, 0.065, 0.07]) {
+        assert!(*difference < limit, "{differences:?}");
+    }
+}
+
+/// Beating with a reaction that is not the support's linear spring: what is bound leaves the residual, so it is freed.
 #[test]
 fn normal_reaction_is_freed_in_records_that_are_not_periodic() {
     let oracle = Oracle::new(1e5, &SENSORS);

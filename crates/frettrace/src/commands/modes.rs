@@ -27,6 +27,8 @@ pub struct Arguments {
 struct Answer {
     modes: Vec<Mode>,
     levels: Vec<Level>,
+    /// Runs that the hypotheses do not describe.
+    left_out: Vec<String>,
 }
 
 pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
@@ -35,14 +37,25 @@ pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
     if let Some(folder) = &arguments.plots {
         store::write_figures(folder, &report::levels::figures(&levels, Ink::File))?;
     }
-    let found = Answer { modes: modes(&measurement)?, levels };
+    let described = |id: &String| levels.iter().any(|level| level.run == *id);
+    let left_out = measurement.runs.iter().map(|run| run.id.clone()).filter(|id| !described(id)).collect();
+    let found = Answer { modes: modes(&measurement)?, levels, left_out };
     let head = "mode  declared [Hz]  measured [Hz]  std [Hz]  difference  damping\n";
     let text = head.to_owned()
         + &found.modes.iter().map(mode_row).collect::<String>()
         + "\nerror of the accelerations, described by K fixed modes, K real modes of the level, harmonic balance\n"
         + "run      level [m/s²]  frequency [Hz]  preload [N]  lubricated  K        fixed        real  harmonic balance     noise  likeness\n"
-        + &found.levels.iter().map(level_row).collect::<String>();
+        + &found.levels.iter().map(level_row).collect::<String>()
+        + &left_out_row(&found.left_out);
     session.answer(&found, &text)
+}
+
+/// Why some runs have no row; nothing where all have one.
+fn left_out_row(runs: &[String]) -> String {
+    if runs.is_empty() {
+        return String::new();
+    }
+    format!("without lines to describe (not periodic, or a single sensor): {}\n", runs.join(", "))
 }
 
 fn mode_row(mode: &Mode) -> String {

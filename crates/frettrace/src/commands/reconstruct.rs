@@ -34,6 +34,8 @@ enum Form {
     Harmonic,
     /// Lines at multiples of a fraction of the excitation frequency
     Subharmonic,
+    /// The whole spectrum, bin by bin: impacts, sweeps, operating records
+    Aperiodic,
 }
 
 #[derive(Serialize)]
@@ -54,6 +56,7 @@ pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
         Form::Auto => FormChoice::Auto,
         Form::Harmonic => FormChoice::Harmonic,
         Form::Subharmonic => FormChoice::Subharmonic,
+        Form::Aperiodic => FormChoice::Aperiodic,
     };
     let found = frettrace::reconstruct::reconstruct(
         &measurement,
