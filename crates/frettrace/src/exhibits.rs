@@ -1,16 +1,23 @@
 //! What the report draws, mapped from the exhibits of the explanation.
 
-use crate::results::{ContactCurve, ContactLoop, Exhibits, ResidualMap, ResidualShape, Waveform};
+use crate::report::spectra::{self, Channel, Residual};
+use crate::results::{
+    ChannelSpectrum, ContactCurve, ContactLoop, Exhibits, ResidualMap, ResidualShape, Waveform,
+};
 use frettrace_explain::{Exhibit, Loop, Shape, maps, shapes};
 use frettrace_measurement::Measurement;
+
+/// Most runs whose spectra are shown.
+pub(crate) const SPECTRA: usize = 4;
 
 /// Loops of all runs, the worst channel of each held-out run, and the shape of the residual.
 #[must_use]
 pub fn exhibits(measurement: &Measurement, shown: &[Exhibit], held_out: &[usize]) -> Exhibits {
-    let waveforms = shown.iter().filter(|exhibit| held_out.contains(&exhibit.run));
+    let unseen = || shown.iter().filter(|exhibit| held_out.contains(&exhibit.run));
     Exhibits {
         loops: shown.iter().map(|exhibit| contact_loop(measurement, exhibit, held_out)).collect(),
-        waveforms: waveforms.map(|exhibit| waveform(measurement, exhibit)).collect(),
+        waveforms: unseen().map(|exhibit| waveform(measurement, exhibit)).collect(),
+        spectra: unseen().take(SPECTRA).map(|exhibit| spectrum(measurement, exhibit)).collect(),
         residual: shapes(shown).into_iter().map(shape).collect(),
         maps: maps(shown).into_iter().map(map).collect(),
     }
@@ -40,10 +47,41 @@ fn curve(given: &Loop) -> ContactCurve {
 }
 
 /// The sensor that the declared model misses most.
+fn worst(exhibit: &Exhibit) -> usize {
+    let before = exhibit.residual[0].iter().enumerate();
+    before.max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(sensor, _)| sensor)
+}
+
+/// The whole record of that sensor, and the lines that the models leave of one period.
+fn spectrum(measurement: &Measurement, exhibit: &Exhibit) -> ChannelSpectrum {
+    let run = &measurement.runs[exhibit.run];
+    let sensor = worst(exhibit);
+    let [measured, before, after] = &exhibit.acceleration;
+    let left = [before, after].map(|model| -> Vec<f64> {
+        let pairs = measured.get(sensor).into_iter().flatten().zip(model.get(sensor).into_iter().flatten());
+        pairs.map(|(y, m)| y - m).collect()
+    });
+    let step = exhibit.time.get(1).copied().unwrap_or(f64::NAN);
+    let period = step * exhibit.time.len() as f64;
+    let channel = Channel {
+        signal: &run.acceleration[sensor],
+        sampling_rate: run.sampling_rate,
+        noise_std: measurement.sensors.noise_std.as_ref().and_then(|std| std.get(sensor).copied()),
+        residual: left.each_ref().map(|left| Residual::Period(left, period)),
+    };
+    ChannelSpectrum {
+        run: run.id.clone(),
+        label: run.label.clone(),
+        held_out: true,
+        channel: format!("acceleration of sensor {sensor} [m/s²]"),
+        ..spectra::channel(&channel)
+    }
+}
+
+/// One period of that sensor.
 fn waveform(measurement: &Measurement, exhibit: &Exhibit) -> Waveform {
     let run = &measurement.runs[exhibit.run];
-    let before = exhibit.residual[0].iter().enumerate();
-    let sensor = before.max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(sensor, _)| sensor);
+    let sensor = worst(exhibit);
     let [measured, before, after] =
         exhibit.acceleration.each_ref().map(|sensors| sensors.get(sensor).map_or(Vec::new(), |x| rounded(x)));
     Waveform {
@@ -84,6 +122,6 @@ fn map(given: frettrace_explain::ResidualMap) -> ResidualMap {
 }
 
 /// Six significant digits: more than a drawing shows, and half the size of the file.
-fn rounded(values: &[f64]) -> Vec<f64> {
+pub(crate) fn rounded(values: &[f64]) -> Vec<f64> {
     values.iter().map(|value| format!("{value:.5e}").parse().unwrap_or(*value)).collect()
 }

@@ -2,8 +2,11 @@
 //!
 //! Colours are CSS variables in the report, so that one picture serves light, dark and print, and fixed in files that stand alone.
 
+mod axis;
 mod ink;
 mod map;
+#[cfg(test)]
+mod overlap;
 mod png;
 mod rows;
 mod sheet;
@@ -15,11 +18,12 @@ pub use map::{Axis, Map};
 pub use rows::{Row, Rows};
 pub use sheet::Picture;
 
+use axis::{Marks, TICK};
 use ink::Palette;
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
-use sheet::{Drawing, Drawn, FINE, LETTER, LINE, MARGIN, Sheet, WIDTH, picture, power, range, short, width};
+use sheet::{Drawing, Drawn, FINE, LETTER, LINE, MARGIN, Sheet, WIDTH, picture, range, width};
 
 /// How the points of a curve are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -160,26 +164,21 @@ impl Chart<'_> {
         let shown: Vec<Vec<(f64, f64)>> = self.curves.iter().map(|curve| self.points(curve)).collect();
         let x = range(shown.iter().flatten().map(|point| point.0));
         let y = range(shown.iter().flatten().map(|point| point.1));
-        let [across, up] = [&x, &y].map(|range| range.end - range.start);
+        let y = if self.logarithmic { Marks::decades(y) } else { Marks::even(y) };
+        let beside = y.beside();
+        let x = Marks::across(x, WIDTH - 2 * MARGIN - beside);
         let mut chart = ChartBuilder::on(&sheet.area)
             .margin(MARGIN * FINE)
+            .margin_right(x.right(WIDTH - MARGIN - beside) * FINE)
             .x_label_area_size(40 * FINE)
-            .y_label_area_size(66 * FINE)
+            .y_label_area_size(beside * FINE)
             .build_cartesian_2d(x, y)?;
-        let plain_x = |value: &f64| short(*value, across);
-        let plain_y = |value: &f64| short(*value, up);
-        let power = |exponent: &f64| power(*exponent);
         chart
             .configure_mesh()
-            .x_labels(6)
-            .y_labels(6)
-            .light_line_style(palette.paper())
             .bold_line_style(sheet.line(palette.grid()))
             .axis_style(sheet.line(palette.text()))
             .label_style(sheet.labels())
-            .set_all_tick_mark_size(4 * FINE)
-            .x_label_formatter(&plain_x)
-            .y_label_formatter(if self.logarithmic { &power } else { &plain_y })
+            .set_all_tick_mark_size(TICK)
             .x_desc(self.x_label)
             .y_desc(self.y_label)
             .draw()?;

@@ -3,7 +3,7 @@
 use super::chart::{Chart, Curve, Ink, Role};
 use super::kind::{Figure, Kind, title};
 use super::words::is_contact_record;
-use super::{identified, residuals};
+use super::{identified, residuals, spectra};
 use crate::results::{ContactCurve, ContactLoop, Explanation, Waveform};
 
 /// All figures of an explanation, in reading order.
@@ -14,6 +14,7 @@ pub fn figures(found: &Explanation, ink: Ink) -> Vec<Figure> {
     let loops = exhibits.loops.iter().flat_map(|run| contact_loop(run, view));
     let waveforms = exhibits.waveforms.iter().flat_map(|channel| waveform(channel, view));
     let mut all: Vec<Figure> = loops.chain(waveforms).collect();
+    all.extend(exhibits.spectra.iter().map(|of| spectra::explained(of, view.named, ink)));
     all.extend(residuals::figures(exhibits, view.named, ink));
     all.extend(identified::explained(found, ink));
     all

@@ -12,7 +12,7 @@ mod residuals;
 pub mod responses;
 mod shapes;
 pub mod signals;
-mod spectra;
+pub(crate) mod spectra;
 pub mod words;
 
 pub use figures::figures;

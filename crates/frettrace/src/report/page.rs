@@ -95,8 +95,8 @@ fn bar(class: &str, share: f64) -> String {
 fn pictures(found: &Explanation) -> String {
     let mut text = String::new();
     let mut section = "";
-    // Evidence, parameters and modes stand in tables.
-    let told = [Kind::Loops, Kind::Signals, Kind::Residuals];
+    // Errors, evidence and parameters stand in tables with bars.
+    let told = [Kind::Loops, Kind::Signals, Kind::Spectra, Kind::Residuals, Kind::Modes];
     for figure in figures(found, Ink::Page).into_iter().filter(|figure| told.contains(&figure.kind)) {
         if figure.kind.heading() != section {
             text += if section.is_empty() { "" } else { "</div>\n" };

@@ -2,11 +2,15 @@
 
 use super::chart::{Chart, Curve, Ink, Role};
 use super::kind::{Figure, Kind, title};
-use frettrace_fourier::tapered_spectrum;
+use crate::results::{Amplitudes, ChannelSpectrum};
+use frettrace_fourier::{spectrum, tapered_spectrum};
 use frettrace_measurement::{ContactRun, Measurement, Run};
 
-/// Pairs of points a spectrum shows at most.
+/// Pairs of points a spectrum shows at most: in a file of its own, and where a page holds several.
 const PAIRS: usize = 700;
+const FEWER: usize = 240;
+/// Lines below this share of the largest are rounding.
+const ROUNDING: f64 = 1e-9;
 /// Fewest bins a local median is taken over: its standard error is then below 10 %.
 const BLOCK: usize = 128;
 /// Hann's window of mean square one takes `√(2/3)` of a line's amplitude: by this a line stands at its amplitude again.
@@ -21,7 +25,7 @@ pub(super) fn accelerations(measurement: &Measurement, run: &Run, names: &[Strin
         mean.sqrt()
     });
     let floor = Floor::of(&spectra, declared.filter(|std| *std > 0.0), run.force.len());
-    let shown: Vec<Spectrum> = spectra.iter().map(Spectrum::envelope).collect();
+    let shown: Vec<Spectrum> = spectra.iter().map(|all| all.envelope(PAIRS)).collect();
     let sensors = shown.iter().zip(names).enumerate();
     let mut curves: Vec<Curve<'_>> = sensors
         .map(|(number, (s, name))| Curve::line(name, Role::Number(number), &s.frequency, &s.amplitude))
@@ -41,7 +45,7 @@ pub(super) fn accelerations(measurement: &Measurement, run: &Run, names: &[Strin
 pub(super) fn force(run: &ContactRun, ink: Ink) -> Option<Figure> {
     let spectrum = Spectrum::of(&run.force, run.sampling_rate?);
     let floor = Floor::of(std::slice::from_ref(&spectrum), run.force_noise_std, run.force.len());
-    let shown = spectrum.envelope();
+    let shown = spectrum.envelope(PAIRS);
     let chart = Chart {
         title: &title("Spectrum", &run.id, &run.label, false),
         x_label: "frequency [Hz]",
@@ -53,6 +57,80 @@ pub(super) fn force(run: &ContactRun, ink: Ink) -> Option<Figure> {
         ],
     };
     Some(Figure::new(format!("spectrum-{}", run.id), Kind::Spectra, chart.picture(ink)))
+}
+
+/// One channel and what models leave of it.
+pub(crate) struct Channel<'a> {
+    /// Samples of the whole record.
+    pub signal: &'a [f64],
+    /// Sampling rate (Hz).
+    pub sampling_rate: f64,
+    /// Standard deviation of its noise, where it is declared.
+    pub noise_std: Option<f64>,
+    /// Residual of the declared model and of the one with the effects.
+    pub residual: [Residual<'a>; 2],
+}
+
+/// Over what a residual is known.
+pub(crate) enum Residual<'a> {
+    /// The samples of the record.
+    Samples(&'a [f64]),
+    /// One period of so many seconds: amplitudes of its lines, exactly.
+    Period(&'a [f64], f64),
+}
+
+/// The numbers of a channel's spectrum, for whoever draws them; the names are left to be filled in.
+pub(crate) fn channel(of: &Channel<'_>) -> ChannelSpectrum {
+    let all = [Spectrum::of(of.signal, of.sampling_rate)];
+    let floor = Floor::of(&all, of.noise_std.filter(|std| *std > 0.0), of.signal.len());
+    let [before, after] = of.residual.each_ref().map(|residual| match residual {
+        Residual::Samples(x) => Spectrum::of(x, of.sampling_rate).envelope(FEWER).amplitudes(),
+        Residual::Period(x, period) => lines(x, *period).amplitudes(),
+    });
+    ChannelSpectrum {
+        measured: all[0].envelope(FEWER).amplitudes(),
+        floor_name: floor.name.to_owned(),
+        floor: Spectrum { frequency: floor.frequency, amplitude: floor.amplitude }.amplitudes(),
+        before,
+        after,
+        ..ChannelSpectrum::default()
+    }
+}
+
+/// Amplitudes `2|X_k|/n` of one period of a signal at `k/period`, as far as they are more than rounding.
+fn lines(x: &[f64], period: f64) -> Spectrum {
+    let bins = spectrum(x);
+    let amplitude: Vec<f64> = bins.iter().skip(1).map(|bin| 2.0 * bin.norm() / x.len() as f64).collect();
+    let least = ROUNDING * amplitude.iter().copied().fold(0.0, f64::max);
+    let kept = amplitude.iter().rposition(|y| *y > least).map_or(0, |last| last + 1);
+    Spectrum {
+        frequency: (1..=kept).map(|k| k as f64 / period).collect(),
+        amplitude: amplitude[..kept].to_vec(),
+    }
+}
+
+/// The spectrum of a channel, with what the models leave.
+pub(super) fn explained(of: &ChannelSpectrum, named: bool, ink: Ink) -> Figure {
+    let mut curves = vec![
+        curve("measured", Role::Measured, &of.measured),
+        curve("left by the declared model", Role::Before, &of.before),
+    ];
+    if named {
+        curves.push(curve("left with the effects", Role::After, &of.after));
+    }
+    curves.push(Curve::dashed(&of.floor_name, Role::Floor, &of.floor.frequency, &of.floor.amplitude));
+    let chart = Chart {
+        title: &title("Spectrum", &of.run, &of.label, of.held_out),
+        x_label: "frequency [Hz]",
+        y_label: &of.channel,
+        logarithmic: true,
+        curves,
+    };
+    Figure::new(format!("spectrum-{}", of.run), Kind::Spectra, chart.picture(ink))
+}
+
+fn curve<'a>(name: &'a str, role: Role, of: &'a Amplitudes) -> Curve<'a> {
+    Curve::line(name, role, &of.frequency, &of.amplitude)
 }
 
 /// Amplitudes over frequency, without the mean.
@@ -69,9 +147,16 @@ impl Spectrum {
         Self { frequency: (1..=amplitude.len()).map(|k| k as f64 * step).collect(), amplitude }
     }
 
-    /// Highest and lowest amplitude of each of at most [`PAIRS`] stretches: lines and floor stay where a page has fewer pixels.
-    fn envelope(&self) -> Self {
-        let stretch = self.amplitude.len().div_ceil(PAIRS).max(1);
+    /// For a file, with six significant digits.
+    fn amplitudes(self) -> Amplitudes {
+        let [frequency, amplitude] =
+            [self.frequency, self.amplitude].map(|values| crate::exhibits::rounded(&values));
+        Amplitudes { frequency, amplitude }
+    }
+
+    /// Highest and lowest amplitude of each of at most so many stretches: lines and floor stay where a page has fewer pixels.
+    fn envelope(&self, pairs: usize) -> Self {
+        let stretch = self.amplitude.len().div_ceil(pairs).max(1);
         if stretch < 3 {
             return Self { frequency: self.frequency.clone(), amplitude: self.amplitude.clone() };
         }
@@ -161,11 +246,28 @@ mod tests {
         assert!((stated.amplitude[0] - 0.2 * (6.0_f64 / 16384.0).sqrt()).abs() < 1e-12);
     }
 
+    /// What a model leaves of one period has the lines that were put in: 0.5 at the second and 0.02 at the fifth of 40 Hz.
+    #[test]
+    fn residuals_have_their_lines() {
+        let period = 1.0 / 40.0;
+        let phase = |k: usize| std::f64::consts::TAU * k as f64 / 240.0;
+        let left: Vec<f64> =
+            (0..240).map(|k| 0.5 * (2.0 * phase(k)).cos() - 0.02 * (5.0 * phase(k)).sin()).collect();
+        let signal = signal(4096);
+        let residual = [Residual::Period(&left, period), Residual::Samples(&signal)];
+        let found =
+            channel(&Channel { signal: &signal, sampling_rate: RATE, noise_std: Some(0.2), residual });
+        assert_eq!(found.before.frequency, [40.0, 80.0, 120.0, 160.0, 200.0]);
+        let expected = [0.0, 0.5, 0.0, 0.0, 0.02];
+        assert!(found.before.amplitude.iter().zip(expected).all(|(y, e)| (y - e).abs() < 1e-9), "{found:?}");
+        assert_eq!((found.after, found.floor_name.as_str()), (found.measured, "noise floor (declared)"));
+    }
+
     /// Thinning keeps the line, the floor, and the order of frequencies.
     #[test]
     fn an_envelope_keeps_the_line() {
         let spectrum = Spectrum::of(&signal(65536), RATE);
-        let shown = spectrum.envelope();
+        let shown = spectrum.envelope(PAIRS);
         assert!(shown.amplitude.len() <= 2 * PAIRS);
         let highest = |all: &Spectrum| all.amplitude.iter().copied().fold(0.0, f64::max);
         assert_eq!(highest(&shown), highest(&spectrum));

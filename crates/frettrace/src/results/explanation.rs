@@ -220,6 +220,40 @@ pub struct Waveform {
     pub after: Vec<f64>,
 }
 
+/// Amplitudes over frequency.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Amplitudes {
+    /// Frequencies (Hz).
+    #[serde(with = "number::series")]
+    pub frequency: Vec<f64>,
+    /// Amplitudes, in the unit of the channel.
+    #[serde(with = "number::series")]
+    pub amplitude: Vec<f64>,
+}
+
+/// Spectrum of a channel with the floor of its noise, and of what both models leave of it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ChannelSpectrum {
+    /// Name of the run.
+    pub run: String,
+    /// Label of the run.
+    pub label: String,
+    /// Whether nothing was fitted to this run.
+    pub held_out: bool,
+    /// What is shown, with its unit.
+    pub channel: String,
+    /// Measured.
+    pub measured: Amplitudes,
+    /// Where the floor comes from.
+    pub floor_name: String,
+    /// What a perfect model would leave, in quadratic mean.
+    pub floor: Amplitudes,
+    /// What the declared model leaves.
+    pub before: Amplitudes,
+    /// What the model with the effects leaves.
+    pub after: Amplitudes,
+}
+
 /// What the report draws; at most some hundred points a curve.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Exhibits {
@@ -229,6 +263,9 @@ pub struct Exhibits {
     /// Channels, measured and modelled.
     #[serde(default)]
     pub waveforms: Vec<Waveform>,
+    /// Spectra of the same channels.
+    #[serde(default)]
+    pub spectra: Vec<ChannelSpectrum>,
     /// The residual against what may drive it.
     #[serde(default)]
     pub residual: Vec<ResidualShape>,

@@ -7,8 +7,8 @@ mod identification;
 mod number;
 
 pub use explanation::{
-    BeforeAfter, Candidate, ContactCurve, ContactLoop, Control, Effect, Exhibits, Explanation, Place,
-    Question, ResidualMap, ResidualShape, Verdict, Waveform,
+    Amplitudes, BeforeAfter, Candidate, ChannelSpectrum, ContactCurve, ContactLoop, Control, Effect,
+    Exhibits, Explanation, Place, Question, ResidualMap, ResidualShape, Verdict, Waveform,
 };
 pub use identification::{
     Dependence, ErrorSummary, Estimate, GroupEstimate, HeldOut, Identification, ModeEstimate,

@@ -1,7 +1,9 @@
 //! What the report draws of a contact record: loops and signals of two strokes, and what the residual depends on.
 
 use super::{Parts, maps};
-use crate::results::{ContactCurve, ContactLoop, Exhibits, ResidualShape, Waveform};
+use crate::exhibits::SPECTRA;
+use crate::report::spectra::{self, Channel, Residual};
+use crate::results::{ChannelSpectrum, ContactCurve, ContactLoop, Exhibits, ResidualShape, Waveform};
 use frettrace_explain::records_explain::{RecordOutcome, RecordRun, strokes};
 use frettrace_measurement::{ContactRecord, SlipUnit};
 use std::ops::Range;
@@ -10,6 +12,8 @@ use std::ops::Range;
 const POINTS: usize = 400;
 /// Bins of a residual's shape.
 const BINS: usize = 24;
+/// Samples are equidistant when their steps differ by less than this share.
+const UNEVEN: f64 = 0.1;
 /// Most runs that are drawn.
 const MOST_RUNS: usize = 12;
 
@@ -41,6 +45,7 @@ pub(super) fn exhibits(record: &ContactRecord, parts: &Parts, outcome: &RecordOu
     Exhibits {
         loops: drawn().take(MOST_RUNS).map(|s| contact_loop(s, unit)).collect(),
         waveforms: drawn().filter(|s| s.held_out).take(MOST_RUNS).map(waveform).collect(),
+        spectra: drawn().filter(|s| s.held_out).filter_map(spectrum).take(SPECTRA).collect(),
         residual: shapes(&shown, outcome, unit),
         maps: maps::maps(&shown, outcome.floor[0], unit),
     }
@@ -112,6 +117,26 @@ fn waveform(shown: &Shown<'_>) -> Waveform {
         before: modelled(shown, 0, &samples),
         after: modelled(shown, 1, &samples),
     }
+}
+
+/// Spectrum of the force from the first sample that counts, and of what the models leave; none where samples are not equidistant.
+fn spectrum(shown: &Shown<'_>) -> Option<ChannelSpectrum> {
+    let time = &shown.run.history.time[shown.first..];
+    let step = (time.last()? - time.first()?) / time.len().saturating_sub(1).max(1) as f64;
+    let even = time.windows(2).all(|pair| (pair[1] - pair[0] - step).abs() < UNEVEN * step);
+    let channel = Channel {
+        signal: &shown.run.history.force[shown.first..],
+        sampling_rate: 1.0 / step,
+        noise_std: shown.run.stated,
+        residual: shown.residual.map(Residual::Samples),
+    };
+    even.then(|| ChannelSpectrum {
+        run: shown.part.id.clone(),
+        label: shown.part.label.clone(),
+        held_out: shown.held_out,
+        channel: "force [N]".to_owned(),
+        ..spectra::channel(&channel)
+    })
 }
 
 /// Residuals in units of the floor against slip, velocity, acceleration, normal force, level, and time.

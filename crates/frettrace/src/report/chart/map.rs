@@ -1,9 +1,9 @@
 //! Maps: one number over two quantities, as colour.
 
+use super::axis::{Marks, TICK, beside};
 use super::ink::Ink;
 use super::sheet::{
-    Drawing, Drawn, FINE, LETTER, LINE, MARGIN, Picture, Sheet, WIDTH, picture, power, short, shortened,
-    width,
+    Drawing, Drawn, FINE, LETTER, LINE, MARGIN, Picture, Sheet, WIDTH, picture, power, shortened, width,
 };
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
@@ -16,8 +16,11 @@ const STEP: i32 = 24;
 const SCALE: i32 = 62;
 /// Steps of the scale.
 const STEPS: usize = 48;
-/// Most letters of a row's name.
+/// Most letters of a row's name, and of a column's.
 const LONGEST: usize = 18;
+const COLUMN: usize = 6;
+/// Least distance of the names of columns, in pixels.
+const GAP: i32 = 4;
 
 /// What a map is drawn over.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,11 +60,6 @@ impl Axis {
             Self::Numbers { .. } => &[],
             Self::Names { names, .. } => names,
         }
-    }
-
-    /// Labels that plotters shall find itself: names are placed by us.
-    fn labels(&self) -> usize {
-        if self.names().is_empty() { 6 } else { 0 }
     }
 }
 
@@ -113,24 +111,27 @@ impl Map<'_> {
     fn cells<DB: DrawingBackend>(&self, sheet: &Sheet<DB>) -> Result<(), Drawing<DB>> {
         let area = &sheet.area;
         let (x, y) = (self.x.range(), self.y.range());
-        let names: Vec<String> = self.y.names().iter().map(|name| shortened(name, LONGEST)).collect();
-        let room = names.iter().map(|name| width(name, LETTER)).max().unwrap_or(40);
         let [across, up] = [&x, &y].map(|range| range.end - range.start);
+        let names: Vec<String> = self.y.names().iter().map(|name| shortened(name, LONGEST)).collect();
+        let named = names.iter().map(|name| width(name, LETTER)).max();
+        let ordinate = if named.is_some() { Marks::none(y.clone()) } else { Marks::even(y.clone()) };
+        let room = named.map_or_else(|| ordinate.beside(), beside);
+        let length = WIDTH - SCALE - MARGIN - room;
+        let numbered = self.x.names().is_empty();
+        let abscissa =
+            if numbered { Marks::across(x.clone(), length - MARGIN) } else { Marks::none(x.clone()) };
         let mut chart = ChartBuilder::on(area)
             .margin(MARGIN * FINE)
+            .margin_right(abscissa.right(length) * FINE)
             .x_label_area_size(40 * FINE)
-            .y_label_area_size((room + 26) * FINE)
-            .build_cartesian_2d(x.clone(), y.clone())?;
+            .y_label_area_size(room * FINE)
+            .build_cartesian_2d(abscissa, ordinate)?;
         chart
             .configure_mesh()
             .disable_mesh()
-            .x_labels(self.x.labels())
-            .y_labels(self.y.labels())
             .axis_style(sheet.line(sheet.palette.text()))
             .label_style(sheet.labels())
-            .set_all_tick_mark_size(4 * FINE)
-            .x_label_formatter(&|value| short(*value, across))
-            .y_label_formatter(&|value| short(*value, up))
+            .set_all_tick_mark_size(TICK)
             .x_desc(self.x.label())
             .y_desc(self.y.label())
             .draw()?;
@@ -155,9 +156,13 @@ impl Map<'_> {
             area.draw_text(name, &beside, (left - 5 * FINE, y - base.1))?;
         }
         let under = sheet.letters(LETTER, HPos::Center, VPos::Top);
-        for (column, name) in self.x.names().iter().enumerate() {
+        let names: Vec<String> = self.x.names().iter().map(|name| shortened(name, COLUMN)).collect();
+        let widest = names.iter().map(|name| width(name, LETTER)).max().unwrap_or(0);
+        // As many columns apart as their names need.
+        let every = names.len() as i32 * (widest + GAP) / (length - MARGIN) + 1;
+        for (column, name) in names.iter().enumerate().step_by(every as usize) {
             let (x, _) = plot.map_coordinate(&(column as f64 + 0.5, y.start));
-            area.draw_text(&shortened(name, 6), &under, (x - base.0, bottom + 5 * FINE))?;
+            area.draw_text(name, &under, (x - base.0, bottom + 5 * FINE))?;
         }
         Ok(())
     }
@@ -175,12 +180,10 @@ impl Map<'_> {
             .margin_bottom((MARGIN + 40) * FINE)
             .margin_right(4 * FINE)
             .right_y_label_area_size(40 * FINE)
-            .build_cartesian_2d(0.0..1.0, 0.0..decades)?;
+            .build_cartesian_2d(Marks::none(0.0..1.0), Marks::decades(0.0..decades))?;
         chart
             .configure_mesh()
             .disable_mesh()
-            .x_labels(0)
-            .y_labels(5)
             .axis_style(sheet.palette.paper())
             .label_style(sheet.labels())
             .y_label_formatter(&|exponent| label(*exponent))

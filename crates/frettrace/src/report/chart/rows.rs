@@ -1,9 +1,9 @@
 //! Charts of named rows: bars from zero, and intervals about a value.
 
+use super::axis::{Marks, TICK};
 use super::ink::{Ink, Palette, Role};
 use super::sheet::{
-    Drawing, Drawn, FINE, LETTER, LINE, MARGIN, Picture, Sheet, WIDTH, picture, range, short, shortened,
-    width,
+    Drawing, Drawn, FINE, LETTER, LINE, MARGIN, Picture, Sheet, WIDTH, picture, range, shortened, width,
 };
 use plotters::coord::CoordTranslate;
 use plotters::prelude::*;
@@ -81,22 +81,19 @@ impl Drawn for Rows<'_> {
         let axis = f64::from(WIDTH - 2 * MARGIN - room);
         let free = f64::from(notes.max().unwrap_or(0) + MARGIN).min(MOST * axis);
         x.end = x.start + (x.end - x.start) * axis / (axis - free);
-        let across = x.end - x.start;
+        let x = Marks::across(x, WIDTH - 2 * MARGIN - room);
         let mut chart = ChartBuilder::on(area)
             .margin(MARGIN * FINE)
+            .margin_right(x.right(WIDTH - MARGIN - room) * FINE)
             .x_label_area_size(40 * FINE)
             .y_label_area_size(room * FINE)
-            .build_cartesian_2d(x, 0.0..self.rows.len().max(1) as f64)?;
+            .build_cartesian_2d(x, Marks::none(0.0..self.rows.len().max(1) as f64))?;
         chart
             .configure_mesh()
-            .x_labels(5)
-            .y_labels(0)
-            .light_line_style(palette.paper())
             .bold_line_style(sheet.line(palette.grid()))
             .axis_style(sheet.line(palette.text()))
             .label_style(sheet.labels())
-            .set_all_tick_mark_size(4 * FINE)
-            .x_label_formatter(&|value| short(*value, across))
+            .set_all_tick_mark_size(TICK)
             .x_desc(self.x_label)
             .draw()?;
         for (number, (row, name)) in self.rows.iter().zip(&names).enumerate() {

@@ -18,8 +18,6 @@ pub(super) const LETTER: i32 = 12;
 /// Room for a line of text, in pixels.
 pub(super) const LINE: i32 = 17;
 const TITLE: i32 = 14;
-/// Mean width of a letter over the size of the type, DejaVu Sans being a wide one.
-const ASPECT: f64 = 0.58;
 /// Room around a chart, in pixels.
 pub(super) const MARGIN: i32 = 8;
 
@@ -130,23 +128,25 @@ fn font() {
     });
 }
 
-/// Width of a text in pixels, near enough to keep room for it.
+/// Width of a text in pixels, in the font that PNG are drawn with: it is a wide one, a browser's own takes no more.
 pub(super) fn width(text: &str, letter: i32) -> i32 {
-    (text.chars().count() as f64 * ASPECT * f64::from(letter)).ceil() as i32
+    font();
+    let measured = ("sans-serif", 1.24 * f64::from(letter * FINE)).into_font().box_size(text);
+    // Only a font that is not there cannot be measured: then a letter is as wide as high.
+    measured.map_or(text.chars().count() as i32 * letter, |(wide, _)| (wide as i32 + FINE - 1) / FINE)
 }
 
 /// A text in lines of at most `room` pixels, broken at blanks; a word that is longer alone is cut.
 fn wrapped(text: &str, room: i32, letter: i32) -> Vec<String> {
-    let most = (f64::from(room) / (ASPECT * f64::from(letter))) as usize;
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {
-        let word = shortened(word, most);
+        let fitting = (2..=word.chars().count()).rev().map(|most| shortened(word, most));
+        let word =
+            fitting.into_iter().find(|word| width(word, letter) <= room).unwrap_or_else(|| word.to_owned());
         let Some(line) = lines.last_mut() else { break };
-        if line.is_empty() {
-            line.push_str(&word);
-        } else if line.chars().count() + 1 + word.chars().count() <= most {
-            line.push(' ');
-            line.push_str(&word);
+        let longer = if line.is_empty() { word.clone() } else { format!("{line} {word}") };
+        if line.is_empty() || width(&longer, letter) <= room {
+            *line = longer;
         } else {
             lines.push(word);
         }
@@ -174,33 +174,46 @@ pub(super) fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     low - margin..high + margin
 }
 
-/// A number with few digits, for an axis that spans `span`.
+/// A number with as many digits as its neighbours on an axis that spans `span` need to differ: down to a hundredth of the span's own decade;
+/// five digits where no span is given.
 pub(super) fn short(value: f64, span: f64) -> String {
-    if value.abs() < 1e-9 * span {
+    let size = value.abs();
+    let span = if span > 0.0 { span } else { 1e-2 * size };
+    let last = span.log10().floor() - 2.0;
+    if size < 1e-9 * span {
         "0".into()
-    } else if (1e-3..1e5).contains(&value.abs()) {
-        format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').replace('-', "−")
+    } else if (1e-3..1e5).contains(&size) {
+        let digits = (-last).clamp(0.0, 12.0) as usize;
+        trimmed(&format!("{value:.digits$}"))
     } else {
-        let exponent = value.abs().log10().floor();
-        scientific(value / 10_f64.powf(exponent), exponent)
+        let exponent = size.log10().floor();
+        let digits = (exponent - last).clamp(0.0, 12.0) as usize;
+        scientific(value / 10_f64.powf(exponent), exponent, digits)
     }
+}
+
+/// Without zeros at its end, and with a real minus sign.
+fn trimmed(number: &str) -> String {
+    let number =
+        if number.contains('.') { number.trim_end_matches('0').trim_end_matches('.') } else { number };
+    number.replace('-', "−")
 }
 
 /// A power of ten on a logarithmic axis, given by its exponent.
 pub(super) fn power(exponent: f64) -> String {
     let whole = exponent.floor();
-    scientific(10_f64.powf(exponent - whole), whole)
+    scientific(10_f64.powf(exponent - whole), whole, 2)
 }
 
-/// `2.5·10⁻³`; without the factor where it is one.
-fn scientific(factor: f64, exponent: f64) -> String {
-    let (factor, exponent) = if factor > 9.995 { (1.0, exponent + 1.0) } else { (factor, exponent) };
+/// `2.5·10⁻³`, with so many digits behind the point; without the factor where it is one.
+fn scientific(factor: f64, exponent: f64, digits: usize) -> String {
+    let carried = format!("{factor:.digits$}").trim_start_matches('-').starts_with("10");
+    let (factor, exponent) = if carried { (factor / 10.0, exponent + 1.0) } else { (factor, exponent) };
     let raised: String = format!("{exponent:.0}").chars().map(superscript).collect();
-    let factor = format!("{factor:.2}").trim_end_matches('0').trim_end_matches('.').replace('-', "−");
-    match factor.as_str() {
+    match trimmed(&format!("{factor:.digits$}")).as_str() {
         "1" => format!("10{raised}"),
         "−1" => format!("−10{raised}"),
-        _ => format!("{factor}·10{raised}"),
+        factor => format!("{factor}·10{raised}"),
     }
 }
 
@@ -220,6 +233,10 @@ mod tests {
         assert_eq!(short(2.5e-6, 1e-5), "2.5·10⁻⁶");
         assert_eq!(short(1e-17, 1.0), "0");
         assert_eq!(short(-1e6, 1e6), "−10⁶");
+        // Neighbours a fifth of the span apart differ; 0.01225 ± 0.00002.
+        assert_eq!([short(0.01224, 4e-5), short(0.01225, 4e-5)], ["0.01224", "0.01225"]);
+        assert_eq!([short(1.2345e-6, 2e-9), short(100_000.5, 1.0)], ["1.2345·10⁻⁶", "1.000005·10⁵"]);
+        assert_eq!([short(20.0, 0.0), short(-40.0, 90.0)], ["20", "−40"]);
         assert_eq!(power(-2.0), "10⁻²");
         // 10^0.5 = 3.162
         assert_eq!(power(0.5), "3.16·10⁰");
@@ -231,6 +248,6 @@ mod tests {
         let text = format!("Friction, run 0003, {} (held out)", "x".repeat(200));
         let lines = wrapped(&text, 464, TITLE);
         assert!(lines.len() == 3 && lines[1].ends_with('…'), "{lines:?}");
-        assert!(lines.iter().all(|line| width(line, TITLE) <= 465), "{lines:?}");
+        assert!(lines.iter().all(|line| width(line, TITLE) <= 464), "{lines:?}");
     }
 }

@@ -1,6 +1,7 @@
 use super::*;
 use crate::results::{
-    Candidate, ContactCurve, ContactLoop, Effect, Exhibits, ResidualMap, ResidualShape, Waveform,
+    Amplitudes, Candidate, ChannelSpectrum, ContactCurve, ContactLoop, Effect, Exhibits, ResidualMap,
+    ResidualShape, Waveform,
 };
 
 fn found() -> Explanation {
@@ -26,6 +27,17 @@ fn found() -> Explanation {
         after: y,
         ..Waveform::default()
     };
+    let amplitudes = || Amplitudes { frequency: vec![1.0, 2.0], amplitude: vec![0.1, 0.01] };
+    let spectrum = ChannelSpectrum {
+        run: "0003".into(),
+        channel: "acceleration of sensor 0 [m/s²]".into(),
+        measured: amplitudes(),
+        floor_name: "noise floor (declared)".into(),
+        floor: amplitudes(),
+        before: amplitudes(),
+        after: amplitudes(),
+        ..ChannelSpectrum::default()
+    };
     let mut baseline = Identification { law: "dahl".into(), ..Identification::default() };
     let estimate = Estimate {
         value: 1.5e5,
@@ -40,7 +52,12 @@ fn found() -> Explanation {
         effects: vec![Effect { id: "friction.<b>".into(), ..Effect::default() }],
         candidates: vec![Candidate { id: "friction.stribeck".into(), error: 0.01, evidence: 120.0 }],
         error: BeforeAfter { before: 0.1, after: f64::NAN, noise_floor: 0.01, ..BeforeAfter::default() },
-        exhibits: Exhibits { loops: vec![contact], waveforms: vec![waveform], ..Exhibits::default() },
+        exhibits: Exhibits {
+            loops: vec![contact],
+            waveforms: vec![waveform],
+            spectra: vec![spectrum],
+            ..Exhibits::default()
+        },
         baseline,
         ..Explanation::default()
     }
@@ -55,7 +72,8 @@ fn the_page_is_complete_and_stands_alone() {
     {
         assert!(page.contains(part), "{part}");
     }
-    assert_eq!(page.matches("<svg").count(), 4, "two loops, a signal and its residual");
+    assert_eq!(page.matches("<svg").count(), 5, "two loops, a signal, its residual and its spectrum");
+    assert!(page.contains("noise floor (declared)") && page.contains("left with the effects"));
     assert!(!page.contains("<b>") && !page.contains("<script"));
     assert!(!page.contains("src=") && !page.contains("@import") && !page.contains("url("));
     // The only address is the name of SVG's namespace.
@@ -102,6 +120,7 @@ fn the_page_holds_what_a_decision_needs() {
         "Error before and after",
         "Friction loops",
         "Signals and residuals",
+        "Spectra",
         "Shape of the residual",
         "Energy per cycle",
         "Evidence of all candidates",
