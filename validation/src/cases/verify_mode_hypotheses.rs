@@ -53,23 +53,15 @@ v_s_m_per_s = 2e-3
 delta = 1.5
 "#;
 
-/// What is simulated: each with each.
-struct Plan {
-    preloads: &'static [f64],
-    frequencies: &'static [f64],
-    amplitudes: &'static [f64],
-}
-
-/// The study of the issue: three preloads, two frequencies, eight levels.
-const WHOLE: Plan = Plan {
-    preloads: &[30.0, 60.0, 120.0],
-    frequencies: &[88.0, 94.0],
-    amplitudes: &[0.3, 0.5, 0.8, 1.3, 2.1, 3.4, 5.5, 9.0],
-};
-const SMALL: Plan = Plan { preloads: &[30.0, 120.0], frequencies: &[94.0], amplitudes: &[0.5, 2.1, 9.0] };
+/// What is simulated, each with each: preloads, frequencies and amplitudes of the force.
+const PRELOADS: [f64; 3] = [30.0, 60.0, 120.0];
+const FREQUENCIES: [f64; 2] = [88.0, 94.0];
+const AMPLITUDES: [f64; 8] = [0.3, 0.5, 0.8, 1.3, 2.1, 3.4, 5.5, 9.0];
+/// The bound of the published finding.
+const BOUND: f64 = 0.02;
 
 fn run() -> anyhow::Result<Outcome> {
-    let levels = levels(&SMALL)?;
+    let levels = levels()?;
     let largest = |of: &dyn Fn(&Level) -> f64| levels.iter().map(of).fold(0.0, f64::max);
     let plain = |quantity: &str, found: f64| Row {
         quantity: quantity.to_owned(),
@@ -78,7 +70,10 @@ fn run() -> anyhow::Result<Outcome> {
         expected: None,
         found,
         tolerance: 0.05,
-        reason: "a twentieth of the accelerations",
+        reason: "a twentieth",
+    };
+    let share = |of: &dyn Fn(&Level) -> f64| {
+        levels.iter().filter(|level| of(level) > BOUND).count() as f64 / levels.len() as f64
     };
     let beyond = |of: f64, floor: f64| (of * of - floor * floor).max(0.0).sqrt();
     Ok(Outcome::Ran(vec![
@@ -88,11 +83,14 @@ fn run() -> anyhow::Result<Outcome> {
             source: "the published finding: below 2 % at all levels",
             expected: Some(0.0),
             found: largest(&|level| beyond(level.harmonic, level.noise_floor)),
-            tolerance: 0.02,
+            tolerance: BOUND,
             reason: "the published bound",
         },
         plain("fixed modes: largest error", largest(&|level| level.fixed)),
         plain("real modes of the level: largest error", largest(&|level| level.real)),
+        plain("harmonic balance: share of levels above 2 %", share(&|level| level.harmonic)),
+        plain("fixed modes: share of levels above 2 %", share(&|level| level.fixed)),
+        plain("real modes of the level: share of levels above 2 %", share(&|level| level.real)),
     ]))
 }
 
@@ -102,7 +100,7 @@ fn run() -> anyhow::Result<Outcome> {
 /// Where a rig cannot be simulated or reconstructed.
 pub fn table() -> anyhow::Result<String> {
     let mut text = "| film | preload [N] | frequency [Hz] | level [m/s²] | noise | fixed modes | real modes | harmonic balance |\n|---|---|---|---|---|---|---|---|\n".to_owned();
-    for level in levels(&WHOLE)? {
+    for level in levels()? {
         text += &format!(
             "| {} | {} | {:.1} | {:.2} | {:.2} % | {:.2} % | {:.2} % | {:.2} % |\n",
             if level.lubricated == Some(true) { "lubricated" } else { "dry" },
@@ -118,24 +116,24 @@ pub fn table() -> anyhow::Result<String> {
     Ok(text)
 }
 
-fn levels(plan: &Plan) -> anyhow::Result<Vec<Level>> {
+fn levels() -> anyhow::Result<Vec<Level>> {
     let mut all = Vec::new();
     for (lubricated, law) in [(false, DRY), (true, LUBRICATED)] {
-        let rig = parse_rig(&text(plan, law, lubricated), Path::new("hypotheses"))?;
+        let rig = parse_rig(&text(law, lubricated), Path::new("hypotheses"))?;
         let simulation = simulate(&rig, &Progress::silent())?;
         all.extend(hypotheses(&simulation.measurement, &Progress::silent())?);
     }
     Ok(all)
 }
 
-fn text(plan: &Plan, law: &str, lubricated: bool) -> String {
+fn text(law: &str, lubricated: bool) -> String {
     let mut text =
         RIG.replace("normal_stiffness_n_per_m = 4.0e6\n", &format!("normal_stiffness_n_per_m = 4.0e6{law}"));
-    for preload in plan.preloads {
-        for frequency in plan.frequencies {
+    for preload in PRELOADS {
+        for frequency in FREQUENCIES {
             text += &format!(
                 "[[run]]\nfrequency_hz = {frequency:?}\npreload_n = {preload:?}\nlubricated = {lubricated}\nforce_amplitude_n = {:?}\n",
-                plan.amplitudes
+                AMPLITUDES
             );
         }
     }
