@@ -8,8 +8,8 @@ mod problems;
 
 use frettrace_beam::{Boundary, Dof, ModalModel, ModalOptions, UniformBeam};
 use frettrace_forward::hb::{
-    Contact, Family, Friction, FrictionBeam, Lines, Load, Network, Normal, Problem, Reading, Response,
-    ResponseOptions, Settings, Solver, Sweep, SweepStatus, response,
+    Accuracy, Contact, Family, Friction, FrictionBeam, Lines, Load, Network, Normal, Problem, Reading,
+    Response, ResponseOptions, Settings, Solver, Sweep, SweepStatus, response,
 };
 use frettrace_forward::march::{Port, Structure};
 use frettrace_friction::{Bristle, Scalar, laws::Dahl};
@@ -85,7 +85,7 @@ const WHOLE: [f64; 2] = [76.0, 114.0];
 const HUNDRED: [f64; 2] = [94.0, 112.0];
 
 /// Eight levels over a resonance of a beam on its friction support, as the program's `response` asks for them: 40 modes,
-/// order 15, stability of every point, backbone; all cores.
+/// a truncation of 1e-3, stability of every point, backbone; all cores.
 fn response_of_levels(range: [f64; 2]) -> Option<Response> {
     let (length, spring) = (0.52, 4e6);
     let beam = UniformBeam::rectangular(length, [0.03, 0.007], 2.05e11, 7840.0);
@@ -109,7 +109,8 @@ fn response_of_levels(range: [f64; 2]) -> Option<Response> {
     let options = ResponseOptions {
         levels: (0..8).map(|level| 0.2 * 1.7_f64.powi(level)).collect(),
         range: range.map(|frequency| TAU * frequency),
-        settings: Settings { order: 15, samples: 128, tolerance: 1e-7, ..Settings::default() },
+        accuracy: Accuracy { truncation: 1e-3, orders: [7, 63], samples_a_line: 16, ..Accuracy::default() },
+        settings: Settings { tolerance: 1e-7, ..Settings::default() },
         resolution: [1e-2, 0.03],
         stability: true,
         backbone: 25,

@@ -72,7 +72,13 @@ fn a_one_sided_stop() {
     for (clearance, omega) in [(reach, 270.0), (0.0, 230.0), (-reach, 230.0)] {
         let stop = Stop { stiffness: 1e6, damping: 0.0, clearance, two_sided: false };
         // A pressed stop pushes at rest: the march starts there at once, the balance has it in line 0.
-        let accuracy = Accuracy { truncation: 1e-8, sampling: 1e-7, orders: [31, 255], samples: 8192 };
+        let accuracy = Accuracy {
+            truncation: 1e-8,
+            sampling: 1e-7,
+            orders: [31, 255],
+            samples: 8192,
+            ..Accuracy::default()
+        };
         let settings = Settings { tolerance: 1e-10, ..Settings::default() };
         let lines = network.lines(omega, 511, 1.0).unwrap();
         let contacts = [on(&stop)];

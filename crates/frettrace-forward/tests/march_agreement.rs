@@ -16,7 +16,7 @@ use frettrace_forward::march::{
     Settling, Structure, settle,
 };
 use frettrace_friction::laws::{Dahl, Jenkins};
-use frettrace_friction::{Bristle, FrictionLaw, Scalar};
+use frettrace_friction::{Bristle, FrictionLaw, FrictionModel, Law, Scalar};
 use problems::rms;
 
 /// The Jenkins element of the catalogue, its reversals found between samples.
@@ -39,7 +39,13 @@ impl Family for Slider {
 
 /// Root mean square of a channel by harmonic balance of an order that truncates nothing above 1e-8 if it can.
 fn balance(network: &Network, contact: Contact, omega: f64, channel: usize) -> f64 {
-    let accuracy = Accuracy { truncation: 1e-8, sampling: 1e-7, orders: [31, 255], samples: 8192 };
+    let accuracy = Accuracy {
+        truncation: 1e-8,
+        sampling: 1e-7,
+        orders: [31, 255],
+        samples: 8192,
+        ..Accuracy::default()
+    };
     let settings = Settings { tolerance: 1e-10, ..Settings::default() };
     let lines = network.lines(omega, 511, 1.0).unwrap();
     let contacts = [contact];
@@ -177,6 +183,89 @@ fn beam_on_its_friction_support() {
     }
 }
 
+/// Any smooth law of the catalogue.
+struct Smooth(FrictionModel);
+
+impl Family for Smooth {
+    type Law<T: Scalar> = Friction<FrictionModel<T>>;
+
+    fn parameters(&self) -> &[f64] {
+        &[]
+    }
+
+    fn law<T: Scalar>(&self, _: &[T]) -> Self::Law<T> {
+        Friction(self.0.lift())
+    }
+}
+
+/// Rigs declared as the practice sets are, with rounded dimensions of our own: a steel beam whose face turns over its support
+/// (slip by rotation, the normal force follows the motion) or whose end slides sideways (a free end, constant normal force), five
+/// or six damping ratios about 0.6 %, driven at 1.005 times its first frequency or between the first two.
+#[test]
+fn rigs_declared_as_in_practice() {
+    let lugre = [5.0e5, 15.0, 3.0e-3, 0.0, 0.41, 0.28, 2.4e-3, 2.0];
+    let hybrid = [&lugre[..], &[0.35]].concat();
+    let dahl = [3.2e4, 0.276, 1.0];
+    let sideways =
+        Rig { length: 0.544, section: [0.0245, 0.0055], support: None, preload: 7.45, hertz: 64.9 };
+    let turning =
+        Rig { length: 0.498, section: [0.0317, 0.0075], support: Some(5.3e6), preload: 75.0, hertz: 107.8 };
+    for (name, rig, law, values, forces) in [
+        ("hybrid", turning, Law::Hybrid, &hybrid[..], [1.0, 6.0]),
+        ("lugre", turning, Law::Lugre, &lugre[..], [1.0, 6.0]),
+        ("sideways", sideways, Law::Dahl, &dahl[..], [0.4, 2.0]),
+    ] {
+        let law: FrictionModel = law.with_values(values).unwrap();
+        for force in forces {
+            let [found, expected] = rig.both(law, force);
+            agree(&format!("{name} {force} N"), found, expected);
+        }
+    }
+}
+
+/// A beam with its contact at the end; with a support spring (N/m) the slip is that of its face, else the end's own.
+#[derive(Clone, Copy)]
+struct Rig {
+    length: f64,
+    section: [f64; 2],
+    support: Option<f64>,
+    preload: f64,
+    hertz: f64,
+}
+
+impl Rig {
+    /// Root mean square at two thirds of the length, by balance and by march.
+    fn both(&self, law: FrictionModel, force: f64) -> [f64; 2] {
+        let beam = UniformBeam::rectangular(self.length, self.section, 2.0e11, 7850.0);
+        let damping_ratio = vec![0.0069, 0.0066, 0.0065, 0.0069, 0.0054, 0.0066];
+        let options = ModalOptions { modes: 30, damping_ratio, ..ModalOptions::default() };
+        let boundary = self.support.map_or_else(Boundary::cantilever, Boundary::spring);
+        let model = ModalModel::new(&beam, &boundary, &options).unwrap();
+        let displacement = |x| Port { dof: Dof::displacement(x), factor: 1.0 };
+        let slip = match self.support {
+            Some(_) => Port { dof: Dof::rotation(self.length), factor: 0.5 * self.section[1] },
+            None => displacement(self.length),
+        };
+        let [exciter, end] = [displacement(0.466 * self.length), displacement(self.length)];
+        let ports = [exciter, slip, end, displacement(self.length * 2.0 / 3.0)];
+        let structure = Structure::from_beam(&model, &ports).unwrap();
+        let spring = self.support.unwrap_or(0.0);
+        let pressed = Reading { port: 2, scale: -spring, offset: self.preload };
+        let channels = vec![Reading::motion(1), pressed, Reading::motion(3)];
+        let mut network = Network::new(structure.clone(), channels, vec![1]);
+        network.loads.push(Load { port: 0, harmonic: 1, amplitude: force.into() });
+        let element = Smooth(law);
+        let contact =
+            Contact { slip: 0, normal: Normal::Channel(1), force: 0, normal_force: None, element: &element };
+        let omega = std::f64::consts::TAU * self.hertz;
+        let found = balance(&network, contact, omega, 2);
+        let normal = MarchNormal { port: Some(2), stiffness: spring, ..MarchNormal::constant(self.preload) };
+        let friction = Some(FrictionContact { law, slip_port: 1, normal });
+        let assembly = Assembly { structure, inputs: vec![0], friction, loads: Vec::new() };
+        [found, marched(&assembly, &[(0.0, force)], omega, 3)]
+    }
+}
+
 /// The march keeps the linear spring of the normal contact in the structure, and reads `w = −n`.
 #[test]
 fn normal_and_tangential() {
@@ -209,7 +298,7 @@ fn order_rises_with_the_accuracy_asked() {
     let contacts = [contact];
     let problem = Problem { lines: &lines, contacts: &contacts };
     let solve = |truncation| {
-        let accuracy = Accuracy { truncation, sampling: 1e-2, orders: [7, 127], samples: 4096 };
+        let accuracy = Accuracy { truncation, sampling: 1e-2, orders: [7, 127], ..Accuracy::default() };
         AdaptiveSolver::new(accuracy, Settings::default()).solve(&problem, None).unwrap()
     };
     let (coarse, fine) = (solve(3e-2), solve(1e-5));

@@ -16,7 +16,7 @@ pub struct ResponseLevel {
     pub force_amplitude: f64,
     /// How the curve ended: `finished`, `returned`, `stalled`, `no-start` or `point-limit`.
     pub status: String,
-    /// Motion of the harmonics cut off at the largest response, relative to the slip.
+    /// Largest motion of the harmonics cut off, relative to the slip.
     pub truncation: f64,
     /// Excitation frequency \[Hz\].
     pub frequency: Vec<f64>,
@@ -26,6 +26,8 @@ pub struct ResponseLevel {
     pub slip: Vec<f64>,
     /// Amplitude of the friction force on the excitation's line \[N\].
     pub friction_force: Vec<f64>,
+    /// Harmonic order of each point.
+    pub order: Vec<f64>,
     /// Whether small disturbances die out; `None` where that was not asked.
     pub stable: Vec<Option<bool>>,
 }
@@ -89,6 +91,7 @@ fn write_level(file: &FileWriter, place: &str, level: &ResponseLevel, sensors: &
     for (name, values, units) in [
         ("slip_displacement", &level.slip, "m"),
         ("friction_force", &level.friction_force, "N"),
+        ("order", &level.order, "1"),
         ("stable", &stable, "1"),
     ] {
         file.attach(&list(file, &format!("{place}/{name}"), values, units)?, 0, &frequency)?;
@@ -139,6 +142,7 @@ mod tests {
             acceleration: vec![vec![1.0, 2.0, 3.0], vec![4.0, 5.0, 6.0]],
             slip: vec![1e-6, 2e-6, 3e-6],
             friction_force: vec![0.1, 0.2, 0.3],
+            order: vec![7.0, 15.0, 15.0],
             stable: vec![Some(true), Some(false), None],
         };
         let backbone =
@@ -155,6 +159,7 @@ mod tests {
         assert_eq!(file.groups("/levels"), ["0001", "0002"]);
         assert_eq!(file.array("/levels/0001/acceleration").unwrap().columns(), level.acceleration);
         assert_eq!(file.array("/levels/0001/frequency").unwrap().values, level.frequency);
+        assert_eq!(file.array("/levels/0001/order").unwrap().values, level.order);
         let stable = file.array("/levels/0001/stable").unwrap().values;
         assert!(stable[..2] == [1.0, 0.0] && stable[2].is_nan(), "{stable:?}");
         assert_eq!(file.array("/backbone/damping_ratio").unwrap().values, [0.01]);

@@ -4,13 +4,11 @@ use std::f64::consts::TAU;
 
 use frettrace_beam::{Dof, ModalModel, ModalOptions};
 use frettrace_forward::hb::{
-    self, Element, Family, Friction, FrictionBeam, LocalElement, ResponseOptions as Wanted, Settings,
-    SweepStatus,
+    self, Accuracy, Element, FrictionBeam, LocalElement, ResponseOptions as Wanted, Settings, SweepStatus,
 };
 use frettrace_forward::march::Port;
 use frettrace_forward::simulate::{Attached, SimulatedLaw, SimulatedRig, Slip};
-use frettrace_friction::effects::ModifiedLaw;
-use frettrace_friction::{Bristle, FrictionModel, Scalar, Steady, laws};
+use frettrace_friction::FrictionModel;
 use frettrace_measurement as file;
 use serde::Serialize;
 
@@ -22,15 +20,17 @@ use crate::{Progress, StudyError, simulate};
 pub struct ResponseOptions {
     /// Excitation frequencies at the ends of the sweep (Hz); by default 20 % below and above the rig's runs.
     pub range_hz: Option<[f64; 2]>,
-    /// Harmonic order.
-    pub order: usize,
+    /// Motion that the harmonics cut off may cause, relative to the slip: each point has the lowest order that keeps it.
+    pub truncation: f64,
+    /// Harmonic order of every point; by default it follows from the truncation.
+    pub order: Option<usize>,
     /// Whether stability is computed.
     pub stability: bool,
 }
 
 impl Default for ResponseOptions {
     fn default() -> Self {
-        Self { range_hz: None, order: 15, stability: true }
+        Self { range_hz: None, truncation: 1e-3, order: None, stability: true }
     }
 }
 
@@ -69,7 +69,7 @@ pub struct Level {
     pub force_amplitude_n: f64,
     /// `finished`, `returned`, `stalled`, `no-start` or `point-limit`.
     pub status: &'static str,
-    /// Motion that the harmonics cut off would cause at the largest response, relative to the slip.
+    /// Largest motion that the harmonics cut off would cause along the curve, relative to the slip.
     pub truncation: f64,
     /// Points along the curve.
     pub points: Vec<Point>,
@@ -86,6 +86,7 @@ impl Level {
             acceleration: (0..sensors).map(|s| column(&|point| point.acceleration_m_per_s2[s])).collect(),
             slip: column(&|point| point.slip_m),
             friction_force: column(&|point| point.friction_force_n),
+            order: column(&|point| point.order as f64),
             stable: self.points.iter().map(|point| point.stable).collect(),
         }
     }
@@ -102,6 +103,8 @@ pub struct Point {
     pub slip_m: f64,
     /// Amplitude of the friction force on the excitation's line (N).
     pub friction_force_n: f64,
+    /// Harmonic order of the point.
+    pub order: usize,
     /// Whether small disturbances die out.
     pub stable: Option<bool>,
 }
@@ -121,11 +124,13 @@ pub struct Backbone {
 const MODES: usize = 40;
 /// Modes for stability.
 const COARSE_MODES: usize = 6;
+/// Orders between which a response is free to choose.
+const ORDERS: [usize; 2] = [7, 63];
 /// Samples a period for each line.
-const SAMPLES_A_LINE: usize = 8;
-/// The same for a law without memory that turns within a small velocity: some samples must fall inside it, or the friction
-/// turns by whole samples.
-const SAMPLES_A_LINE_OF_TURNS: usize = 64;
+const SAMPLES_A_LINE: usize = 16;
+/// The same for a law that turns within a small slip or velocity: some samples must fall inside it, or the friction turns by
+/// whole samples, and the curve through such a balance has folds of its own.
+const SAMPLES_A_LINE_OF_TURNS: usize = 32;
 /// A contact without presliding is given a bristle this much stiffer than the beam at its slip.
 const RIGID: f64 = 300.0;
 /// Points of the backbone.
@@ -148,7 +153,7 @@ pub fn response(
     let slip = slip(&simulated);
     let compliance =
         frettrace_beam::Receptance::receptance(&model, slip.dof, slip.dof, 0.0).re * slip.factor.powi(2);
-    let friction = law(&simulated.law, RIGID / (compliance * preload));
+    let friction = laws::law(&simulated.law, RIGID / (compliance * preload));
     let beam = FrictionBeam {
         coarse: self::model(&simulated, COARSE_MODES)?,
         model,
@@ -184,13 +189,17 @@ fn wanted(rig: &Rig, law: &SimulatedLaw, options: &ResponseOptions) -> Wanted {
         0.8 * frequencies().fold(f64::INFINITY, f64::min),
         1.2 * frequencies().fold(0.0, f64::max),
     ]);
-    let turns = matches!(law, SimulatedLaw::Declared(model) if model.named().contains_key("v_ref"));
-    let samples_a_line = if turns { SAMPLES_A_LINE_OF_TURNS } else { SAMPLES_A_LINE };
-    let samples = (samples_a_line * (options.order + 1)).next_power_of_two();
+    let samples_a_line = if laws::turns(law) { SAMPLES_A_LINE_OF_TURNS } else { SAMPLES_A_LINE };
     Wanted {
         levels,
         range: [TAU * low, TAU * high],
-        settings: Settings { order: options.order, samples, tolerance: 1e-7, ..Settings::default() },
+        accuracy: Accuracy {
+            truncation: options.truncation,
+            orders: options.order.map_or(ORDERS, |order| [order; 2]),
+            samples_a_line,
+            ..Accuracy::default()
+        },
+        settings: Settings { tolerance: 1e-7, ..Settings::default() },
         resolution: [1e-2, 0.03],
         stability: options.stability,
         backbone: BACKBONE,
@@ -269,91 +278,13 @@ fn mass((position, attached): &(f64, Attached)) -> Option<(Port, f64)> {
     }
 }
 
-/// A law of the bristle family.
-struct Bristly(Bristle<f64>);
-
-impl Family for Bristly {
-    type Law<T: Scalar> = Friction<Bristle<T>>;
-
-    fn parameters(&self) -> &[f64] {
-        &[]
-    }
-
-    fn law<T: Scalar>(&self, _: &[T]) -> Self::Law<T> {
-        Friction(self.0.lift())
-    }
-}
-
-/// Any law of the catalogue.
-struct Declared(FrictionModel);
-
-impl Family for Declared {
-    type Law<T: Scalar> = Friction<FrictionModel<T>>;
-
-    fn parameters(&self) -> &[f64] {
-        &[]
-    }
-
-    fn law<T: Scalar>(&self, _: &[T]) -> Self::Law<T> {
-        Friction(self.0.lift())
-    }
-}
-
-/// A bristle with effects in it.
-struct Modified(ModifiedLaw<f64>);
-
-impl Family for Modified {
-    type Law<T: Scalar> = Friction<ModifiedLaw<T>>;
-
-    fn parameters(&self) -> &[f64] {
-        &[]
-    }
-
-    fn law<T: Scalar>(&self, _: &[T]) -> Self::Law<T> {
-        Friction(self.0.lift(|_, value| T::from(value)))
-    }
-}
-
-/// The law as an element; a law that is set-valued at rest gets a bristle of stiffness `sigma0`.
-fn law(law: &SimulatedLaw, sigma0: f64) -> Box<dyn Element> {
-    let bristle = match law {
-        SimulatedLaw::Modified(law) => return Box::new(Modified(*law)),
-        // Effects in other formulas are refused before; what is left of them here is the declared bristle.
-        SimulatedLaw::Foreign(law) => {
-            let bristle = law.bristle;
-            laws::Dahl { sigma0: bristle.sigma0, mu_k: bristle.mu_k, exponent: bristle.exponent }.bristle()
-        }
-        SimulatedLaw::Declared(model) => match model {
-            FrictionModel::Coulomb(law) => Bristle::plain(sigma0, law.mu_k),
-            FrictionModel::Stribeck(law) => Bristle {
-                sigma2: law.sigma2,
-                mu_s: law.mu_s,
-                v_s: law.v_s,
-                delta: law.delta,
-                steady: Steady::Stribeck,
-                ..Bristle::plain(sigma0, law.mu_k)
-            },
-            FrictionModel::Dahl(law) => law.bristle(),
-            FrictionModel::Lugre(law) => law.bristle(),
-            FrictionModel::Hybrid(law) => law.bristle(),
-            FrictionModel::ElastoPlastic(law) => law.bristle(),
-            FrictionModel::FilmStribeck(law) => {
-                let laws::FilmStribeck { film, sigma2, inertia } = *law;
-                let law = laws::FilmLugre { sigma0, sigma1: 0.0, film, sigma2, inertia };
-                return Box::new(Declared(FrictionModel::FilmLugre(law)));
-            }
-            other => return Box::new(Declared(*other)),
-        },
-    };
-    Box::new(Bristly(bristle))
-}
-
 fn described(simulated: &SimulatedRig, found: hb::Response) -> FrequencyResponse {
     let point = |p: hb::ResponsePoint| Point {
         frequency_hz: p.omega / TAU,
         acceleration_m_per_s2: p.acceleration,
         slip_m: p.slip,
         friction_force_n: p.friction,
+        order: p.order,
         stable: p.stable,
     };
     let level = |l: hb::LevelResponse| Level {
@@ -384,5 +315,6 @@ fn status(status: SweepStatus) -> &'static str {
     }
 }
 
+mod laws;
 #[cfg(test)]
 mod tests;

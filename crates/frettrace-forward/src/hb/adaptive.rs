@@ -1,6 +1,10 @@
 //! Harmonic order and sampling chosen for a stated accuracy.
 
+use super::contact::Contact;
+use super::continuation::{Curve, Sweep, SweepStatus};
+use super::follower::{Advance, Follower};
 use super::lines::Lines;
+use super::network::Network;
 use super::solver::{Settings, Solution, Solver};
 use super::system::{Problem, System};
 use crate::ForwardError;
@@ -16,13 +20,16 @@ pub struct Accuracy {
     pub sampling: f64,
     /// Lowest and highest order.
     pub orders: [usize; 2],
+    /// Samples of the first try, and of curves throughout, for each line. Kinks in the force alias below a hundredth of a per
+    /// cent with 8; what turns within a small slip or velocity wants samples inside it.
+    pub samples_a_line: usize,
     /// Most samples a period.
     pub samples: usize,
 }
 
 impl Default for Accuracy {
     fn default() -> Self {
-        Self { truncation: 1e-4, sampling: 1e-4, orders: [15, 127], samples: 4096 }
+        Self { truncation: 1e-4, sampling: 1e-4, orders: [15, 127], samples_a_line: 8, samples: 4096 }
     }
 }
 
@@ -38,8 +45,8 @@ pub struct Adapted {
     pub sampling: f64,
 }
 
-/// Samples of the first try for each line: kinks in the force alias below a hundredth of a per cent.
-const SAMPLES_A_LINE: usize = 8;
+/// An order is lowered again where the lower one would be this much better than asked.
+const MARGIN: f64 = 3.0;
 
 /// A solver that raises order and sampling until the accuracy is reached; memory of every order is kept.
 pub struct AdaptiveSolver {
@@ -68,7 +75,7 @@ impl AdaptiveSolver {
             return Err(ForwardError::Size { what: "order of the lines", expected: lowest, found });
         }
         let highest = highest.min(problem.lines.order());
-        let (mut order, mut samples) = (lowest, samples_for(lowest));
+        let (mut order, mut samples) = (lowest, self.samples_for(lowest));
         let mut start = start.map(<[Complex64]>::to_vec);
         loop {
             let settings = Settings { order, samples, ..self.settings };
@@ -85,9 +92,86 @@ impl AdaptiveSolver {
             if coarse {
                 samples *= 2;
             }
-            samples = samples.max(samples_for(order));
+            samples = samples.max(self.samples_for(order));
             start = Some(solution.forces);
         }
+    }
+
+    /// Follows the response of a network over a range of base frequencies; the order of each point is the lowest one of the ladder
+    /// `H, 2H + 1, …` whose truncation is below the one asked, or the highest. [`Accuracy::sampling`] is not asked for.
+    ///
+    /// # Errors
+    /// A problem that is not one: see [`ForwardError`].
+    pub fn follow(
+        &mut self,
+        network: &Network,
+        contacts: &[Contact],
+        sweep: &Sweep,
+    ) -> Result<Curve, ForwardError> {
+        let mut follower = Follower::new(network, contacts, sweep);
+        let mut order = self.accuracy.orders[0];
+        while follower.wants_start() {
+            if follower.start(self.at_order(order)?)?.is_none() {
+                return Ok(follower.curve(SweepStatus::NoStart));
+            }
+            let Some(first) = follower.last().cloned() else { continue };
+            let cut = follower.truncation(self.at_order(order)?, &first, [order; 2])?[0];
+            follower.note(cut);
+            if cut > self.accuracy.truncation && order < self.accuracy.orders[1] {
+                order = self.above(order);
+                follower.restart();
+            }
+        }
+        while follower.points() < sweep.points {
+            let state = match follower.advance(self.at_order(order)?)? {
+                Advance::Reached(state) => state,
+                Advance::Rejected => continue,
+                Advance::Stalled => return Ok(follower.curve(SweepStatus::Stalled)),
+            };
+            let lower = self.below(order);
+            let cuts = follower.truncation(self.at_order(order)?, &state, [order, lower])?;
+            let above = self.above(order);
+            if cuts[0] > self.accuracy.truncation
+                && above > order
+                && follower.change_order(self.at_order(above)?)?
+            {
+                order = above;
+                continue;
+            }
+            if let Some(status) = follower.accept(self.at_order(order)?, state, Some(cuts[0]))? {
+                return Ok(follower.curve(status));
+            }
+            if lower < order
+                && MARGIN * cuts[1] < self.accuracy.truncation
+                && follower.change_order(self.at_order(lower)?)?
+            {
+                order = lower;
+            }
+        }
+        Ok(follower.curve(SweepStatus::PointLimit))
+    }
+
+    /// The solver of an order, with the samples of curves.
+    pub(super) fn at_order(&mut self, order: usize) -> Result<&mut Solver, ForwardError> {
+        let samples = self.samples_for(order);
+        self.solver(Settings { order, samples, ..self.settings })
+    }
+
+    fn samples_for(&self, order: usize) -> usize {
+        (self.accuracy.samples_a_line * (order + 1)).next_power_of_two()
+    }
+
+    fn above(&self, order: usize) -> usize {
+        (2 * order + 1).min(self.accuracy.orders[1])
+    }
+
+    /// The order from which [`Self::above`] comes here.
+    fn below(&self, order: usize) -> usize {
+        let mut below = self.accuracy.orders[0];
+        while below < order && self.above(below) < order {
+            below = self.above(below);
+        }
+        below
     }
 
     fn solver(&mut self, settings: Settings) -> Result<&mut Solver, ForwardError> {
@@ -101,10 +185,6 @@ impl AdaptiveSolver {
         };
         Ok(&mut self.solvers[index])
     }
-}
-
-fn samples_for(order: usize) -> usize {
-    (SAMPLES_A_LINE * (order + 1)).next_power_of_two()
 }
 
 /// Relative change of the forces that the contacts answer with, at twice the samples.

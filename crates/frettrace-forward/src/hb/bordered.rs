@@ -3,7 +3,7 @@
 use super::contact::Contact;
 use super::lines::Lines;
 use super::solver::Solver;
-use super::system::{Problem, pack, unpack};
+use super::system::{Problem, System, pack, unpack};
 use crate::ForwardError;
 use num_complex::Complex64;
 
@@ -57,9 +57,20 @@ pub(super) struct Corrector {
     /// Corrections since the Jacobian or the point was new, with their squares.
     history: Vec<(Vec<f64>, f64)>,
     pub effort: Effort,
+    /// Whether the Jacobian is taken from all samples, however many there are.
+    pub careful: bool,
 }
 
 impl Corrector {
+    /// The system whose Jacobian is taken, and whether it has fewer samples than the balance.
+    fn slopes<'s>(&self, solver: &'s mut Solver) -> &'s mut System {
+        if self.careful { &mut solver.system } else { solver.slopes() }
+    }
+
+    fn cheap(&self, solver: &Solver) -> bool {
+        solver.coarse.is_some() && !self.careful
+    }
+
     /// Newton on balance and conditions together; false where it does not converge.
     pub fn correct(
         &mut self,
@@ -69,7 +80,7 @@ impl Corrector {
         state: &mut State,
     ) -> Result<bool, ForwardError> {
         let mut last = f64::INFINITY;
-        let cheap = solver.coarse.is_some();
+        let cheap = self.cheap(solver);
         self.fresh &= !cheap;
         self.history.clear();
         let size = state.forces.len();
@@ -115,8 +126,8 @@ impl Corrector {
     ) -> Result<(), ForwardError> {
         let problem = Problem { lines, contacts };
         let extra = state.unknowns.len();
-        let cheap = solver.coarse.is_some();
-        let system = solver.slopes();
+        let cheap = self.cheap(solver);
+        let system = self.slopes(solver);
         self.base.clone_from(&self.answer);
         if cheap {
             system.evaluate(&problem, &state.forces, &mut self.base);
@@ -160,7 +171,7 @@ impl Corrector {
         lines: &Lines,
     ) -> f64 {
         let extra = state.unknowns.len();
-        self.packed.resize(solver.slopes().dense.size(), 0.0);
+        self.packed.resize(self.slopes(solver).dense.size(), 0.0);
         let inner = self.packed.len() - extra;
         for ((s, a), f) in self.shifted.iter_mut().zip(&self.answer).zip(&state.forces) {
             *s = a - f;
@@ -168,7 +179,8 @@ impl Corrector {
         pack(&self.shifted, solver.system.order, &mut self.packed[..inner]);
         conditions.values(lines, &state.forces, &state.unknowns, &mut self.packed[inner..]);
         self.packed[inner..].iter_mut().for_each(|value| *value = -*value);
-        solver.slopes().dense.solve(&mut self.packed);
+        let system = if self.careful { &mut solver.system } else { solver.slopes() };
+        system.dense.solve(&mut self.packed);
         let size: f64 = self.answer.iter().map(Complex64::norm_sqr).sum();
         let scale = size.sqrt().max(f64::MIN_POSITIVE);
         self.packed[..inner].iter_mut().for_each(|x| *x /= scale);

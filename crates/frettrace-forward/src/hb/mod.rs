@@ -17,6 +17,7 @@ mod continuation;
 mod dense;
 mod element;
 mod floquet;
+mod follower;
 mod laws;
 mod lines;
 mod modes;

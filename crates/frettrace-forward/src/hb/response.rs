@@ -1,11 +1,12 @@
 //! Frequency responses of a beam on a frictional support over levels of excitation, with stability and backbone.
 
+use super::adaptive::{Accuracy, AdaptiveSolver};
 use super::contact::{Contact, Normal};
-use super::continuation::{Curve, Point, Sweep, SweepStatus};
+use super::continuation::{Point, Sweep, SweepStatus};
 use super::element::Element;
 use super::modes::Modes;
 use super::network::{Load, Network, Reading};
-use super::solver::{Settings, Solver};
+use super::solver::Settings;
 use crate::ForwardError;
 use crate::march::{Port, Structure};
 use frettrace_beam::ModalModel;
@@ -44,7 +45,10 @@ pub struct ResponseOptions {
     pub levels: Vec<f64>,
     /// Excitation frequencies at the ends of the sweep (rad/s).
     pub range: [f64; 2],
-    /// Order and sampling.
+    /// Order and sampling: each point has the lowest order that reaches [`Accuracy::truncation`], see
+    /// [`AdaptiveSolver::follow`]; equal lowest and highest orders fix it.
+    pub accuracy: Accuracy,
+    /// Tolerance and iterations of the balance; order and samples are those of `accuracy`.
     pub settings: Settings,
     /// Error of the predictor aimed at, and longest step: see [`Sweep`].
     pub resolution: [f64; 2],
@@ -65,6 +69,10 @@ pub struct ResponsePoint {
     pub slip: f64,
     /// Amplitude of line 1 of the friction force (N).
     pub friction: f64,
+    /// Harmonic order of the point.
+    pub order: usize,
+    /// Motion that the harmonics cut off would cause, relative to the slip: [`super::Solution::truncation`].
+    pub truncation: f64,
     /// Whether the motion is stable, where that was asked.
     pub stable: Option<bool>,
 }
@@ -78,7 +86,7 @@ pub struct LevelResponse {
     pub points: Vec<ResponsePoint>,
     /// How the curve ended.
     pub status: SweepStatus,
-    /// Motion that the harmonics cut off would cause at the largest response, relative to the slip.
+    /// Largest [`ResponsePoint::truncation`] along the curve; NaN without points.
     pub truncation: f64,
     /// Marches through the contact's period.
     pub evaluations: usize,
@@ -202,36 +210,31 @@ fn one_level(
     options: &ResponseOptions,
     level: f64,
 ) -> Result<LevelResponse, ForwardError> {
-    let mut solver = Solver::new(options.settings)?;
+    let mut solver = AdaptiveSolver::new(options.accuracy, options.settings);
     let [resolution, longest] = options.resolution;
     let sweep = Sweep { range: options.range, level, resolution, longest, ..Sweep::default() };
     let curve = solver.follow(&views.balance, contacts, &sweep)?;
     let mut points = Vec::with_capacity(curve.points.len());
     for point in &curve.points {
-        let mut found = describe(views, options, level, point)?;
+        let mut found = describe(views, level, point)?;
         if options.stability {
             let at = (point.omega, level);
+            let solver = solver.at_order(found.order)?;
             found.stable = Some(solver.floquet(&views.stability, contacts, at, &point.forces)?.stable());
         }
         points.push(found);
     }
-    let truncation = truncation(views, contacts, (&mut solver, &curve, &points), level)?;
     Ok(LevelResponse {
         force_amplitude: level,
-        points,
         status: curve.status,
-        truncation,
+        truncation: points.iter().map(|point| point.truncation).fold(f64::NAN, f64::max),
+        points,
         evaluations: curve.evaluations,
     })
 }
 
-fn describe(
-    views: &Views,
-    options: &ResponseOptions,
-    level: f64,
-    point: &Point,
-) -> Result<ResponsePoint, ForwardError> {
-    let order = options.settings.order;
+fn describe(views: &Views, level: f64, point: &Point) -> Result<ResponsePoint, ForwardError> {
+    let order = point.forces.len() / views.balance.forces.len() - 1;
     let lines = views.sensors.lines(point.omega, order, level)?;
     let rms = |channel: usize| -> f64 {
         let motion = lines.motion(channel, &point.forces);
@@ -244,6 +247,8 @@ fn describe(
         acceleration: (0..lines.channels()).map(rms).collect(),
         slip: slip[1].norm(),
         friction: point.forces[1].norm(),
+        order,
+        truncation: point.truncation.unwrap_or(f64::NAN),
         stable: None,
     })
 }
@@ -251,20 +256,6 @@ fn describe(
 /// Lines 0 and 1 of every force.
 fn first_lines(forces: &[Complex64], order: usize) -> Vec<Complex64> {
     forces.chunks_exact(order + 1).flat_map(|row| [row[0], row[1]]).collect()
-}
-
-fn truncation(
-    views: &Views,
-    contacts: &[Contact],
-    (solver, curve, points): (&mut Solver, &Curve, &[ResponsePoint]),
-    level: f64,
-) -> Result<f64, ForwardError> {
-    let largest = (0..points.len()).max_by(|&a, &b| points[a].slip.total_cmp(&points[b].slip));
-    let Some(largest) = largest else { return Ok(f64::NAN) };
-    let point = &curve.points[largest];
-    let lines = views.balance.lines(point.omega, 2 * solver.settings().order, level)?;
-    let problem = super::Problem { lines: &lines, contacts };
-    Ok(solver.solve(&problem, Some(&point.forces))?.truncation)
 }
 
 /// The mode whose frequency with the contact sliding is nearest below the largest response, from small to large slip.
@@ -286,8 +277,9 @@ fn backbone(
     let frequency = network.structure.natural_frequency();
     let mode = frequency.iter().rposition(|&w| w <= 1.02 * peak.omega).unwrap_or(0);
     let modes = Modes { mode, channel: 0, amplitudes: [smallest, 1.5 * peak.slip], points: options.backbone };
-    let mut solver = Solver::new(options.settings)?;
-    let points = solver.follow_mode(network, contacts, &modes)?;
+    // The order at the largest response is enough for the mode there.
+    let mut solver = AdaptiveSolver::new(options.accuracy, options.settings);
+    let points = solver.at_order(peak.order)?.follow_mode(network, contacts, &modes)?;
     let point = |p: &super::ModePoint| BackbonePoint {
         omega: p.omega,
         damping_ratio: p.damping_ratio,

@@ -174,23 +174,32 @@ impl Solver {
     }
 
     fn truncation(&mut self, problem: &Problem) -> f64 {
+        self.truncation_above(problem, [self.settings.order; 2])[0]
+    }
+
+    /// [`Solution::truncation`] of the motion that was evaluated last, for each of two orders at which it might be cut.
+    pub(super) fn truncation_above(&mut self, problem: &Problem, cuts: [usize; 2]) -> [f64; 2] {
         let order = problem.lines.order().min((self.settings.samples - 1) / 2);
-        if order <= self.settings.order {
-            return 0.0;
+        if cuts.iter().all(|&cut| order <= cut) {
+            return [0.0; 2];
         }
         let row = order + 1;
-        let Some(forces) = self.system.spectrum(problem, order) else { return f64::NAN };
-        let (mut tail, mut whole) = (0.0, 0.0);
+        let Some(forces) = self.system.spectrum(problem, order) else { return [f64::NAN; 2] };
+        let (mut tails, mut whole) = ([0.0; 2], 0.0);
         for channel in problem.contacts.iter().map(|c| c.slip) {
             for h in 1..row {
                 let moved: Complex64 = (0..problem.lines.forces())
                     .map(|d| problem.lines.receptance(channel, d)[h] * forces[d * row + h])
                     .sum();
-                let motion = problem.lines.free(channel)[h] - moved;
-                if h > self.settings.order { tail += moved.norm_sqr() } else { whole += motion.norm_sqr() }
+                for (tail, _) in tails.iter_mut().zip(cuts).filter(|(_, cut)| h > *cut) {
+                    *tail += moved.norm_sqr();
+                }
+                if h <= self.settings.order {
+                    whole += (problem.lines.free(channel)[h] - moved).norm_sqr();
+                }
             }
         }
-        if tail == 0.0 { 0.0 } else { (tail / whole).sqrt() }
+        tails.map(|tail| if tail == 0.0 { 0.0 } else { (tail / whole).sqrt() })
     }
 }
 

@@ -65,6 +65,8 @@ pub(super) struct System {
     pub samples: usize,
     grid: Grid,
     scratch: GridScratch,
+    /// A grid of the same samples and more lines, as the truncation was last asked for.
+    wide: Option<(Grid, GridScratch)>,
     transform: Arc<dyn Fft<f64>>,
     transform_scratch: Vec<Complex64>,
     columns: Vec<Complex64>,
@@ -84,6 +86,7 @@ impl System {
             order,
             samples,
             scratch: grid.scratch(),
+            wide: None,
             grid,
             transform_scratch: vec![Complex64::ZERO; transform.get_inplace_scratch_len()],
             transform,
@@ -181,9 +184,13 @@ impl System {
     }
 
     /// Lines of the forces of the last [`Self::evaluate`] up to a higher order.
-    pub fn spectrum(&self, problem: &Problem, order: usize) -> Option<Vec<Complex64>> {
-        let grid = Grid::new(order, self.samples).ok()?;
-        let (mut scratch, row) = (grid.scratch(), order + 1);
+    pub fn spectrum(&mut self, problem: &Problem, order: usize) -> Option<Vec<Complex64>> {
+        if self.wide.as_ref().is_none_or(|(grid, _)| grid.order() != order) {
+            let grid = Grid::new(order, self.samples).ok()?;
+            let scratch = grid.scratch();
+            self.wide = Some((grid, scratch));
+        }
+        let ((grid, scratch), row) = (self.wide.as_mut()?, order + 1);
         let mut lines = vec![Complex64::ZERO; problem.lines.forces() * row];
         let mut one = vec![Complex64::ZERO; row];
         for (contact, cell) in problem.contacts.iter().zip(&self.cells) {
@@ -191,7 +198,7 @@ impl System {
             for (o, force) in contact.outputs().into_iter().enumerate() {
                 let Some(force) = force else { continue };
                 let signal: Vec<f64> = cell.orbit.forces.iter().skip(o).step_by(outputs).copied().collect();
-                grid.project(&signal, &mut one, &mut scratch);
+                grid.project(&signal, &mut one, scratch);
                 lines[force * row..(force + 1) * row].iter_mut().zip(&one).for_each(|(a, f)| *a += f);
             }
         }

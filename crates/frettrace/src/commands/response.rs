@@ -13,6 +13,8 @@ use std::path::PathBuf;
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  frettrace response data/demo/rig.toml -o response.h5\n  \
         frettrace response data/demo/rig.toml -o response.h5 --range 60 120 --figures figures\n\n\
+        The harmonic order rises and falls along each curve so that what is cut off stays below --truncation;\n\
+        the table gives the highest order used and the truncation reached.\n\n\
         The rig is that of `simulate`. Each response is followed through its turning points; a point says\n\
         whether small disturbances die out. The backbone is the resonance without excitation and loss.")]
 pub struct Arguments {
@@ -24,9 +26,12 @@ pub struct Arguments {
     /// Excitation frequencies at the ends [Hz]; 20 % beyond the rig's runs unless given
     #[arg(long, num_args = 2, value_names = ["FROM", "TO"])]
     range: Option<Vec<f64>>,
-    /// Harmonics of the contact force
-    #[arg(long, default_value_t = ResponseOptions::default().order)]
-    order: usize,
+    /// Motion that the harmonics cut off may cause, relative to the slip; the order of each point follows from it
+    #[arg(long, default_value_t = ResponseOptions::default().truncation)]
+    truncation: f64,
+    /// Harmonics of the contact force, the same for every point
+    #[arg(long, conflicts_with = "truncation")]
+    order: Option<usize>,
     /// Leave stability out
     #[arg(long)]
     without_stability: bool,
@@ -45,9 +50,15 @@ pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
         }
         _ => None,
     };
-    ensure!((1..=500).contains(&arguments.order), "--order {}: 1 to 500 harmonics", arguments.order);
-    let options =
-        ResponseOptions { range_hz, order: arguments.order, stability: !arguments.without_stability };
+    let (truncation, order) = (arguments.truncation, arguments.order);
+    ensure!(
+        truncation > 0.0 && truncation < 1.0,
+        "--truncation {truncation}: a share between 0 and 1 is wanted"
+    );
+    if let Some(order) = order {
+        ensure!((1..=500).contains(&order), "--order {order}: 1 to 500 harmonics");
+    }
+    let options = ResponseOptions { range_hz, truncation, order, stability: !arguments.without_stability };
     let found = response(&rig, &options, &session.progress)?;
     frettrace_measurement::write_response(&arguments.output, &found.file(&rig.title))?;
     if let Some(folder) = &arguments.figures {
@@ -58,13 +69,14 @@ pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
 }
 
 fn text(found: &FrequencyResponse) -> String {
-    let head = "force [N]  points  resonance [Hz]  slip there [m]  unstable  truncation  ended\n";
+    let head = "force [N]  points  resonance [Hz]  slip there [m]  unstable  order  truncation  ended\n";
     let rows = found.levels.iter().map(|level| {
         let largest = level.points.iter().max_by(|a, b| a.slip_m.total_cmp(&b.slip_m));
         let [frequency, slip] = largest.map_or([f64::NAN; 2], |point| [point.frequency_hz, point.slip_m]);
+        let order = level.points.iter().map(|point| point.order).max().unwrap_or(0);
         let unstable = level.points.iter().filter(|point| point.stable == Some(false)).count();
         format!(
-            "{:9.4}  {:6}  {frequency:14.4}  {slip:14.4e}  {unstable:8}  {:10.1e}  {}\n",
+            "{:9.4}  {:6}  {frequency:14.4}  {slip:14.4e}  {unstable:8}  {order:5}  {:10.1e}  {}\n",
             level.force_amplitude_n,
             level.points.len(),
             level.truncation,
