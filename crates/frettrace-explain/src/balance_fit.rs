@@ -213,11 +213,10 @@ impl Study<'_> {
             .filter_map(|(k, (_, form))| self.promise(form).map(|left| (left, k)))
             .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        few_of_each(&mut order, |k| forms[k].0);
+        few_of_each(&mut order, PROMISING, |k| forms[k].0);
         let base = merge(&self.structure_unknowns(), added);
         let mut found: Vec<BalanceCandidate> = order
             .par_iter()
-            .take(PROMISING)
             .map(|(_, k)| {
                 let (effect, form) = &forms[*k];
                 // The effect's own values first, then the structure beside them.

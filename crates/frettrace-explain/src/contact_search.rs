@@ -41,13 +41,16 @@ pub(crate) struct ContactCandidate {
 /// χ² per residual on the recovered contacts from which other starts of the declared law are tried.
 const POOR: f64 = 4.0;
 
-/// Keeps the first few forms of each effect of a ranking: one of many forms leaves room for its rivals.
-pub(crate) fn few_of_each(order: &mut Vec<(f64, usize)>, effect: impl Fn(usize) -> usize) {
-    let mut looks = vec![0; ALL.len()];
+/// Keeps of a ranking the first few forms of each effect, `most` in all, and the first of every effect: one of many forms leaves
+/// room for its rivals, and where an effect has come in a few steps says little of where it ends.
+pub(crate) fn few_of_each(order: &mut Vec<(f64, usize)>, most: usize, effect: impl Fn(usize) -> usize) {
+    let (mut looks, mut kept) = (vec![0; ALL.len()], 0);
     order.retain(|&(_, k)| {
         let count = &mut looks[effect(k)];
         *count += 1;
-        *count <= LOOKS_OF_ONE
+        let keep = *count == 1 || *count <= LOOKS_OF_ONE && kept < most;
+        kept += usize::from(keep);
+        keep
     });
 }
 
@@ -215,10 +218,9 @@ impl Study<'_> {
             .filter_map(|(pair, &(k, law))| Some((tried(&quick, &forms[k], (law, GLANCE))?.criterion, pair)))
             .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        few_of_each(&mut order, |pair| forms[pairs[pair].0].0);
+        few_of_each(&mut order, LOOK, |pair| forms[pairs[pair].0].0);
         let mut looked: Vec<(ContactCandidate, usize)> = order
             .par_iter()
-            .take(LOOK)
             .filter_map(|&(_, pair)| {
                 let (k, law) = pairs[pair];
                 Some((tried(recovered, &forms[k], (law, 30))?, k))

@@ -25,7 +25,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::decay::decay;
+use crate::decay::{self, decay};
 use crate::lift::{lift, positive_part, sign};
 use crate::{FrictionLaw, Scalar, Step, Stretch, Stroke};
 
@@ -299,12 +299,12 @@ pub fn stribeck<T: Scalar>(velocity: T, parameters: [T; 4]) -> T {
 
 /// `(|v|/v_s)^δ`.
 #[inline(always)]
-fn stribeck_power(ratio: f64, delta: f64) -> f64 {
+pub(crate) fn stribeck_power(ratio: f64, delta: f64) -> f64 {
     if delta == 2.0 {
         ratio * ratio
     } else if delta == 1.0 {
         ratio
     } else {
-        ratio.powf(delta)
+        decay::power(ratio, delta)
     }
 }

@@ -13,6 +13,8 @@ use crate::{Case, ExplainError, Split, Study};
 /// Error over noise of runs held out from which they contradict a model that follows those it was fitted to: what its values are
 /// uncertain by adds some per cent.
 const CONTRADICTED: f64 = 1.1;
+/// Growth of the error from fitted runs to those held out from which what is lacking lies in these.
+const OVERTAKEN: f64 = 2.0;
 /// Error over noise from which a name leaves more than the noise in the runs it was fitted to, …
 const LEFT: f64 = 1.005;
 /// … and in those held out, whose error holds that of the fitted values too.
@@ -37,7 +39,7 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
     let mut found = Found::by(case, split)?;
     let mut missed = Vec::new();
     for next in [Split::Second, Split::One] {
-        if !found.contradicted() {
+        if !found.contradicted() && !(split == Split::First && found.overtaken()) {
             break;
         }
         split = next;
@@ -66,7 +68,7 @@ impl<'a> Found<'a> {
         let (study, setting) = Study::new(case, split)?;
         let mut search = Search::new(study);
         let mut baseline = search.baseline(setting)?;
-        if !baseline.complete() && baseline.ratio < NEAR {
+        if !baseline.complete() && (baseline.ratio < NEAR || baseline.fitted.setting.rigid) {
             let lacked = baseline.excess();
             baseline = search.further(baseline, lacked);
             search.coarse = None;
@@ -78,7 +80,9 @@ impl<'a> Found<'a> {
         }
         search.before = search.errors_as_read(&baseline);
         // Where both other splits contradicted it, the declared model lacks something however little shows where it is fitted.
-        let done = baseline.complete() && !search.series_open(&baseline) && split != Split::One;
+        search.within_method = !baseline.complete() && search.within_method(&baseline);
+        let followed = baseline.complete() || search.within_method;
+        let done = followed && !search.series_open(&baseline) && split != Split::One;
         let mut model = if done { baseline.clone() } else { search.close(&baseline)? };
         if let Some(better) = search.rebased(&baseline, &model) {
             if better.complete() {
@@ -101,6 +105,11 @@ impl<'a> Found<'a> {
     /// Whether the declared model follows the runs it was fitted to and misses those held out.
     fn contradicted(&self) -> bool {
         self.model.effects.is_empty() && self.model.complete() && self.held_out_ratio() > CONTRADICTED
+    }
+
+    /// Whether nothing was found, and the runs held out hold far more of what is lacking than those that were searched.
+    fn overtaken(&self) -> bool {
+        self.model.effects.is_empty() && self.held_out_ratio() > OVERTAKEN * self.model.ratio
     }
 
     /// The only name of a model that leaves more than the noise. One that every rival leaves ten times as much as is in no doubt.

@@ -1,6 +1,6 @@
 //! What is said in the end: verdict, names, place, errors and what a reader must know.
 
-use super::{BORNE_OUT, EVIDENCE, HELD_OUT, HELD_OUT_SHARE, Rival, Search};
+use super::{BORNE_OUT, EVIDENCE, HELD_OUT, HELD_OUT_SHARE, RIGID_ACCURACY, Rival, Search};
 use crate::effects::{ALL, EffectPlace};
 use crate::search::{Explained, OTHER_FORMULA};
 use crate::study::as_declared;
@@ -81,7 +81,8 @@ impl Search<'_> {
         let faults = &self.study.case.faults;
         let named: Vec<&ChannelFault> = faults.iter().filter(|f| self.study.case.allows(f.id)).collect();
         let nameless = named.len() < faults.len();
-        let near = model.complete() || model.sufficient(&baseline) || self.other_formula;
+        let by_method = self.within_method && model.effects.is_empty();
+        let near = model.complete() || model.sufficient(&baseline) || self.other_formula || by_method;
         let filled = near && borne_out;
         let complete = filled && !nameless;
         let verdict = match (model.effects.is_empty() && named.is_empty(), complete) {
@@ -183,6 +184,12 @@ impl Search<'_> {
                 "the named effect leaves {:.2} times the noise in the worst training run: its formula here is another one, but it takes {:.2} % of what was missing and every rival leaves ten times as much",
                 model.worst,
                 100.0 * (1.0 - model.excess() / baseline.excess())
+            ));
+        }
+        if self.within_method {
+            self.notes.push(format!(
+                "what the declared model leaves, {:.2} times the noise, is within {RIGID_ACCURACY:.0e} of the amplitude, the accuracy of a rigid contact's balance: no effect is looked for below it",
+                baseline.ratio
             ));
         }
         if self.refined > 0 {

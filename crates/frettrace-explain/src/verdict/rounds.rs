@@ -1,12 +1,12 @@
 //! One effect more: rounds over the contact and over everything outside it.
 
-use super::{BALANCE_CALIBRATED, EVIDENCE, FINER, NEAR, PROXY, Rival, Search, Tried, is_law};
+use super::{BALANCE_CALIBRATED, EASED, EVIDENCE, FINER, NEAR, PROXY, Rival, Search, Tried, is_law};
 use crate::balance_fit::BalanceCandidate;
 use crate::effects::ALL;
 use crate::search::Explained;
 use crate::study::merge;
 use crate::{ExplainError, Study, Unknown};
-use frettrace_forward::accelerations::Setting;
+use frettrace_forward::accelerations::{Quantity, Setting};
 use frettrace_friction::effects::Hook;
 use rayon::prelude::*;
 
@@ -35,7 +35,7 @@ impl Search<'_> {
         (found.criterion + EVIDENCE < current.criterion).then_some(found)
     }
 
-    pub(super) fn contact_round(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {
+    fn contact_round(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {
         let unknowns = merge(&self.study.case.unknowns(), &current.added);
         let law: Vec<Unknown> = unknowns.iter().filter(|u| is_law(u)).cloned().collect();
         let mut setting = current.fitted.setting.clone();
@@ -63,6 +63,38 @@ impl Search<'_> {
         }));
         let found = self.study.contact_round(current, &candidates);
         Ok(self.take_best(current, found))
+    }
+
+    /// The declared model with the compliance of the contact that is declared, where a large one was fitted. The balance does not
+    /// see it, and it eases a law that lacks an effect: what is recovered with it hides what the law lacks.
+    fn stiffened(&self, current: &Explained) -> Option<Explained> {
+        let mut stiff = current.clone();
+        let setting = &mut stiff.fitted.setting;
+        let compliance = |of: &Setting| of.get(Quantity::ContactCompliance).unwrap_or_default();
+        let declared = compliance(&self.study.case.setting(setting.law));
+        let preload = self.study.model.runs.iter().map(|run| run.preload).fold(0.0, f64::max);
+        let own = setting.law.get(Hook::Sigma0).map_or(0.0, |sigma0| sigma0 * preload);
+        let eased = (compliance(setting) - declared).abs() * own > EASED;
+        setting.set(Quantity::ContactCompliance, declared);
+        (eased && current.effects.is_empty()).then_some(stiff)
+    }
+
+    /// A round over the contact, fitted to its end; another one on contacts recovered with the declared compliance, where that
+    /// leaves something.
+    pub(super) fn contact(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {
+        let found = self.contact_round(current)?.map(|found| self.further(found, current.excess()));
+        if found.as_ref().is_some_and(Explained::complete) {
+            return Ok(found);
+        }
+        let Some(stiff) = self.stiffened(current) else { return Ok(found) };
+        let rivals = std::mem::take(&mut self.rivals);
+        let other = self.contact_round(&stiff)?.map(|found| self.further(found, stiff.excess()));
+        let least = found.as_ref().map_or(f64::INFINITY, |found| found.criterion);
+        if other.as_ref().is_some_and(|other| other.criterion < least) {
+            return Ok(other);
+        }
+        self.rivals = rivals;
+        Ok(found)
     }
 
     /// Records what was tried and keeps the best.

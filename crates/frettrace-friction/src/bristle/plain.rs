@@ -5,7 +5,7 @@
 
 use super::flow::Relaxation;
 use super::{Bristle, Saturation, Steady};
-use crate::decay::decay;
+use crate::decay::{self, decay};
 use crate::lift::positive_part;
 use crate::{Scalar, Step};
 
@@ -26,7 +26,7 @@ pub(super) fn step<T: Scalar>(law: &Bristle<T>, z: f64, step: &Step<T>) -> Optio
             } else if delta == 1.0 {
                 stribeck(law, z, step, |ratio| ratio)
             } else {
-                stribeck(law, z, step, |ratio| ratio.powf(delta))
+                stribeck(law, z, step, |ratio| decay::power(ratio, delta))
             }
         }
         _ => None,

@@ -2,27 +2,37 @@
 
 use super::hooks::Hook;
 use super::modified::{Circumstance, End, ModifiedLaw};
-use crate::bristle::stribeck;
+use crate::bristle::{stribeck, stribeck_power};
+use crate::decay::decay;
 use crate::law::Scalar;
+use crate::lift::lift;
 
 /// Smallest share of the sliding coefficient that a modification may leave: a law whose forces carry no normal force has it in
 /// newtons, of any size.
 const LEAST_FRICTION: f64 = 1e-6;
 
 impl<T: Scalar> ModifiedLaw<T> {
-    /// Stribeck weight `w(x)`, `x = |v|/v_s`: 1 at rest, 0 at speed.
+    /// Stribeck weight `w(x)`, `x = |v|/v_s`: 1 at rest, 0 at speed; `exp(−x^δ)`, of which a share may be `1/(1 + x^δ)`.
     pub(super) fn weight(&self, speed: T) -> T {
-        let delta =
-            if self.on(Hook::StribeckExponent) { self.at(Hook::StribeckExponent) } else { T::from(2.0) };
+        let stated = self.on(Hook::StribeckExponent);
+        let delta = if stated { self.at(Hook::StribeckExponent) } else { T::from(2.0) };
+        let velocity = self.at(Hook::StribeckVelocity);
         if !self.on(Hook::RationalShare) {
-            let unit = [T::from(1.0), T::from(0.0), self.at(Hook::StribeckVelocity), delta];
-            return stribeck(speed, unit);
+            return stribeck(speed, [T::from(1.0), T::from(0.0), velocity, delta]);
         }
-        let x = speed / self.at(Hook::StribeckVelocity) + 1e-9;
-        let power = (x.ln() * delta).exp();
-        let decay = (-power).exp();
-        let rational = (power + 1.0).recip();
-        decay + (rational - decay) * self.at(Hook::RationalShare)
+        let share = self.at(Hook::RationalShare);
+        let x = speed.re() / velocity.re() + 1e-9;
+        let power = stribeck_power(x, delta.re());
+        let (fading, rational) = (decay(power), (power + 1.0).recip());
+        let value = fading + (rational - fading) * share.re();
+        if T::NDERIV == 0 {
+            return T::from(value);
+        }
+        let slope = -fading + (fading - rational * rational) * share.re();
+        let by_speed = slope * power * delta.re() / x / velocity.re();
+        let partials =
+            [by_speed, -by_speed * speed.re() / velocity.re(), slope * power * x.ln(), rational - fading];
+        lift(value, partials, [speed, velocity, delta, share])
     }
 
     /// Film thickness that belongs to a steady speed, `min(|v|/v_b, 1)^{2/3}`, or `1 − exp(−(|v|/v_b)^p)`.

@@ -170,6 +170,7 @@ fn derivatives_agree_with_differences() {
         (Hook::StribeckRise, 0.2),
         (Hook::StribeckVelocity, 0.5),
         (Hook::StribeckExponent, 1.6),
+        (Hook::RationalShare, 0.4),
         (Hook::LagTime, 0.05),
         (Hook::LagSaturation, 1.5),
         (Hook::Asymmetry, 0.1),
