@@ -22,7 +22,7 @@ struct Hidden {
     parameters: &'static [(&'static str, &'static str, f64)],
 }
 
-const RIGS: [Hidden; 2] = [
+const RIGS: [Hidden; 4] = [
     Hidden {
         rig: include_str!("../../cases/verify_explained_rigs/ageing.toml"),
         effect: "friction.ageing",
@@ -36,6 +36,17 @@ const RIGS: [Hidden; 2] = [
         rig: include_str!("../../cases/verify_explained_rigs/quadratic_damping.toml"),
         effect: "structure.quadratic-damping",
         parameters: &[("position", "m", 0.314), ("quadratic_damping", "N·s²/m²", 5.2116)],
+    },
+    Hidden {
+        rig: include_str!("../../cases/verify_explained_rigs/exponent.toml"),
+        effect: "friction.exponent",
+        parameters: &[("exponent", "1", 0.5)],
+    },
+    // The lag that explains it is one of the law's other forms: the name is the claim.
+    Hidden {
+        rig: include_str!("../../cases/verify_explained_rigs/lag.toml"),
+        effect: "friction.lag",
+        parameters: &[],
     },
 ];
 

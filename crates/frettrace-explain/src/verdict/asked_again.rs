@@ -39,12 +39,13 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
     let mut found = Found::by(case, split)?;
     let mut missed = Vec::new();
     for next in [Split::Second, Split::One] {
-        if !found.contradicted() && !(split == Split::First && found.overtaken()) {
+        let again = found.contradicted() || split == Split::First && found.overtaken();
+        if !again {
             break;
         }
         split = next;
         missed.push(format!(
-            "a model that followed the fitted runs missed the {} held out by {:.2} times the noise: these are among the fitted ones now, and others are held out",
+            "the model of the fitted runs missed the {} held out by {:.2} times the noise: these are among the fitted ones now, and others are held out",
             found.search.study.held_out.len(),
             found.held_out_ratio()
         ));

@@ -2,6 +2,7 @@
 
 use super::chart::{Chart, Curve, Ink, Role};
 use super::kind::{Figure, Kind};
+use super::words::number;
 use crate::hypotheses::Level;
 
 /// Runs that differ in their level only, the lowest first.
@@ -32,7 +33,9 @@ fn groups(levels: &[Level]) -> Vec<Group<'_>> {
     for level in levels {
         let film = level.lubricated.map_or("", |yes| if yes { ", lubricated" } else { ", dry" });
         // Refined frequencies differ by rounding: a tenth of a hertz tells settings apart.
-        let name = format!("{:.1} Hz, {} N{film}", level.frequency_hz, level.preload);
+        let preload = number(level.preload);
+        let preload = if preload.contains('.') { preload.trim_end_matches('0') } else { &preload };
+        let name = format!("{:.1} Hz, {} N{film}", level.frequency_hz, preload.trim_end_matches('.'));
         match groups.iter_mut().find(|group| group.name == name) {
             Some(group) => group.levels.push(level),
             None => groups.push(Group { name, levels: vec![level] }),
@@ -105,10 +108,10 @@ mod tests {
         }
     }
 
-    /// Two preloads make two figures of errors and two common ones, each with the curves of its groups.
+    /// Two preloads, told to four digits, make two figures of errors and two common ones, each with the curves of its groups.
     #[test]
     fn settings_have_figures_of_their_own() {
-        let levels = [level(40.0, 2.0), level(40.0, 1.0), level(80.0, 1.0)];
+        let levels = [level(40.0, 2.0), level(40.0, 1.0), level(80.0004, 1.0)];
         let drawn = figures(&levels, Ink::File);
         assert_eq!(drawn.len(), 4);
         assert!(drawn[0].svg.contains("50.0 Hz, 40 N, dry") && drawn[1].svg.contains("80 N, lubricated"));
