@@ -47,3 +47,9 @@ pub struct Case {
     /// Answers it.
     pub run: fn() -> anyhow::Result<Outcome>,
 }
+
+/// What is said of an error on data that nothing was fitted to, in the words of `explain`.
+#[must_use]
+pub fn verdict(error: f64, allowed: f64) -> &'static str {
+    if error <= allowed { "explained" } else { "open" }
+}

@@ -1,7 +1,7 @@
 //! Steel cantilever with a shaker: modes from few measured ones, acceleration rebuilt from a force of three frequencies.
 
 use super::measured_contacts::data;
-use crate::case::{Case, Outcome, Row};
+use crate::case::{Case, Outcome, Row, verdict};
 use frettrace_beam::{Boundary, UniformBeam, mode_shapes};
 use frettrace_measurement::read_table;
 use num_complex::Complex64;
@@ -18,10 +18,14 @@ const STEEL: (f64, f64) = (200e9, 7850.0);
 /// Modes whose peaks are read, and those of them that the beam is fitted to.
 const MODES: usize = 5;
 const FITTED: usize = 3;
+/// Relative error up to which modes that were held out are explained.
+const CALIBRATED: f64 = 0.02;
 /// Base of the three frequencies (Hz), the lines of the record (up to 600 Hz) and the three driven ones.
 const BASE: f64 = 10.0;
 const LINES: usize = 60;
 const DRIVEN: [usize; 3] = [10, 12, 15];
+/// Error over its floor up to which a rebuilt acceleration is explained: as for held-out runs of explain.
+const EXPLAINED: f64 = 1.2;
 /// Pounds and standard gravity.
 const UNITS: [f64; 2] = [4.448_221_615, 9.806_65];
 
@@ -120,9 +124,12 @@ fn modes(spectrum: &[Vec<f64>]) -> anyhow::Result<Vec<Row>> {
         Row {
             expected: Some(0.0),
             source: "peaks of the impulse spectrum",
-            tolerance: 0.02,
+            tolerance: CALIBRATED,
             reason: "Euler and Bernoulli's beam of thickness 5 mm is right to 1 % there; the accelerometer's mass is unknown",
-            ..row("held-out 4 and 5, after", after)
+            ..row(
+                &format!("held-out 4 and 5, after ({}: softer beam and clamp)", verdict(after, CALIBRATED)),
+                after,
+            )
         },
     ])
 }
@@ -168,7 +175,14 @@ fn rebuilt(name: &str, (fitted, kept): (&Stretch, &Stretch), floor: f64) -> Vec<
             source: "error before",
             tolerance: 0.2 * after,
             reason: "what is added must not make the prediction worse",
-            ..reported(format!("acceleration of {name}: after (distortion lines)"), "1", after)
+            ..reported(
+                format!(
+                    "acceleration of {name}: after ({}: distortion lines)",
+                    verdict(after, EXPLAINED * floor)
+                ),
+                "1",
+                after,
+            )
         },
         reported(format!("accelerance at 100 Hz of {name} over that of the fitted half"), "1", at_100),
     ]
