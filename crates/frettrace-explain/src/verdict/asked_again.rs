@@ -80,9 +80,9 @@ impl<'a> Found<'a> {
             baseline = better;
         }
         search.before = search.errors_as_read(&baseline);
-        // Where both other splits contradicted it, the declared model lacks something however little shows where it is fitted.
         search.within_method = !baseline.complete() && search.within_method(&baseline);
         let followed = baseline.complete() || search.within_method;
+        // Where both other splits contradicted it, the declared model lacks something however little shows where it is fitted.
         let done = followed && !search.series_open(&baseline) && split != Split::One;
         let mut model = if done { baseline.clone() } else { search.close(&baseline)? };
         if let Some(better) = search.rebased(&baseline, &model) {
