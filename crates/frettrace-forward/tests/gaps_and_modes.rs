@@ -6,13 +6,14 @@
 mod problems;
 
 use frettrace_forward::hb::{
-    Accuracy, AdaptiveSolver, Contact, Element, Lines, Load, Modes, Network, Normal, Problem, Reading,
-    Settings, Solver, Status, Stop,
+    Accuracy, AdaptiveSolver, Contact, Element, Family, Friction, Lines, Load, Modes, Network, Normal,
+    Problem, Reading, Settings, Solver, Status, Stop,
 };
 use frettrace_forward::march::{
     Assembly, Characteristic, LocalLoad, March, SettleOptions, Settling, Structure, settle,
 };
-use frettrace_friction::laws::Jenkins;
+use frettrace_friction::laws::{Dahl, Jenkins};
+use frettrace_friction::{Bristle, Scalar};
 use num_complex::Complex64;
 use problems::rms;
 use std::f64::consts::{PI, TAU};
@@ -135,6 +136,60 @@ fn half_waves(solver: &mut Solver, lines: &Lines, stop: &Stop, phase: f64) -> Op
     let found = solver.solve(&Problem { lines, contacts: &[on(stop)] }, Some(&start)).ok()?;
     let other = found.status == Status::Converged && found.forces[1].norm() > 0.1;
     other.then_some(found.forces)
+}
+
+/// The Dahl element, for which Liouville's formula is closed.
+struct Rubbing {
+    sigma0: f64,
+    mu_k: f64,
+}
+
+impl Family for Rubbing {
+    type Law<T: Scalar> = Friction<Bristle<T>>;
+
+    fn parameters(&self) -> &[f64] {
+        &[]
+    }
+
+    fn law<T: Scalar>(&self, _: &[T]) -> Self::Law<T> {
+        let dahl = Dahl { sigma0: self.sigma0.into(), mu_k: self.mu_k.into(), exponent: T::one() };
+        Friction(dahl.bristle())
+    }
+}
+
+/// A mass on a spring under Dahl's friction has the states `x, ẋ, z` with `ẍ = −x − 2ζẋ − σ₀z + p(t)` and `ż = ẋ − |ẋ| z/Z`,
+/// `Z = μ/σ₀`. By Liouville's formula the product of its multipliers is `exp ∮ tr J dt = exp(−2ζT − s/Z)` with the path `s` of a
+/// period, whatever the motion (P. Hartman, Ordinary Differential Equations, 1964, IV.1).
+#[test]
+fn multipliers_under_friction_have_the_product_of_liouville() {
+    let (ratio, omega) = (0.02, 0.9);
+    let rubbing = Rubbing { sigma0: 0.5, mu_k: 0.3 };
+    let structure = Structure::new(vec![1.0], vec![ratio], vec![vec![1.0]]).unwrap();
+    let mut network = Network::new(structure, vec![Reading::motion(0)], vec![0]);
+    let contact = Contact { normal: Normal::Constant(1.0), ..on(&rubbing) };
+    let settings = Settings { order: 63, samples: 16384, tolerance: 1e-11, iterations: 60 };
+    let mut solver = Solver::new(settings).unwrap();
+    for force in [0.2, 0.4] {
+        network.loads = vec![Load { port: 0, harmonic: 1, amplitude: Complex64::from(force) }];
+        let lines = network.lines(omega, 63, 1.0).unwrap();
+        let found = solver.solve(&Problem { lines: &lines, contacts: &[contact] }, None).unwrap();
+        assert_eq!(found.status, Status::Converged);
+        let floquet = solver.floquet(&network, &[contact], (omega, 1.0), &found.forces).unwrap();
+        // Two reversals a period: the path is twice the distance between them.
+        let motion = lines.motion(0, &found.forces);
+        let at = |k: usize| -> f64 {
+            let angle = TAU * k as f64 / 4096.0;
+            motion.iter().enumerate().map(|(h, x)| (x * Complex64::cis(h as f64 * angle)).re).sum()
+        };
+        let (low, high) = (0..4096).map(at).fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(x), h.max(x)));
+        let path = 2.0 * (high - low);
+        let expected = (-2.0 * ratio * TAU / omega - path * rubbing.sigma0 / rubbing.mu_k).exp();
+        // The held force at the end of a step follows from the three states: its multipliers are none.
+        let product: Complex64 = floquet.multipliers.iter().take(3).product();
+        assert!(floquet.stable() && path > rubbing.mu_k / rubbing.sigma0, "{path} {floquet:?}");
+        assert!((product.re / expected - 1.0).abs() < 1e-5 && product.im.abs() < 1e-9, "{product} {expected}");
+        assert!(floquet.multipliers.iter().skip(3).all(|m| m.norm() < 1e-9), "{floquet:?}");
+    }
 }
 
 /// Friction between two reversals is a constant force (J. P. den Hartog, Trans. ASME 53 (1931) 107). With the

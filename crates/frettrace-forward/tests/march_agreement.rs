@@ -8,8 +8,8 @@ mod problems;
 
 use frettrace_beam::{Boundary, Dof, ModalModel, ModalOptions, UniformBeam};
 use frettrace_forward::hb::{
-    Accuracy, AdaptiveSolver, Contact, Element, Family, Friction, Load, Network, Normal, Problem, Reading,
-    Settings, Status,
+    Accuracy, AdaptiveSolver, Contact, Element, Family, Friction, Lines, Load, Network, Normal, Problem,
+    Reading, Settings, Status, Stop,
 };
 use frettrace_forward::march::{
     Assembly, Characteristic, FrictionContact, LocalLoad, March, Normal as MarchNormal, Port, SettleOptions,
@@ -17,6 +17,7 @@ use frettrace_forward::march::{
 };
 use frettrace_friction::laws::{Dahl, Jenkins};
 use frettrace_friction::{Bristle, FrictionLaw, FrictionModel, Law, Scalar};
+use num_complex::Complex64;
 use problems::rms;
 
 /// The Jenkins element of the catalogue, its reversals found between samples.
@@ -39,6 +40,12 @@ impl Family for Slider {
 
 /// Root mean square of a channel by harmonic balance of an order that truncates nothing above 1e-8 if it can.
 fn balance(network: &Network, contact: Contact, omega: f64, channel: usize) -> f64 {
+    let (lines, forces) = balanced(network, &[contact], omega);
+    rms(&lines.motion(channel, &forces), false)
+}
+
+/// Lines of a network and the forces of its contacts, one contact after the other.
+fn balanced(network: &Network, contacts: &[Contact], omega: f64) -> (Lines, Vec<Complex64>) {
     let accuracy = Accuracy {
         truncation: 1e-8,
         sampling: 1e-7,
@@ -48,11 +55,10 @@ fn balance(network: &Network, contact: Contact, omega: f64, channel: usize) -> f
     };
     let settings = Settings { tolerance: 1e-10, ..Settings::default() };
     let lines = network.lines(omega, 511, 1.0).unwrap();
-    let contacts = [contact];
-    let problem = Problem { lines: &lines, contacts: &contacts };
+    let problem = Problem { lines: &lines, contacts };
     let adapted = AdaptiveSolver::new(accuracy, settings).solve(&problem, None).unwrap();
     assert_eq!(adapted.solution.status, Status::Converged);
-    rms(&lines.motion(channel, &adapted.solution.forces), false)
+    (lines, adapted.solution.forces)
 }
 
 /// Root mean square of a port over the settled period, mean left out.
@@ -264,6 +270,49 @@ impl Rig {
         let assembly = Assembly { structure, inputs: vec![0], friction, loads: Vec::new() };
         [found, marched(&assembly, &[(0.0, force)], omega, 3)]
     }
+}
+
+/// Two contacts of two kinds: the end of a cantilever rubs by Dahl's law, its middle hits a stop on either side of a clearance. The
+/// march has the stop as two, one against the motion turned round.
+#[test]
+fn friction_and_a_stop_on_either_side() {
+    let length = 0.5;
+    let beam = UniformBeam::rectangular(length, [0.03, 0.006], 2.0e11, 7850.0);
+    let options = ModalOptions { modes: 12, damping_ratio: vec![0.02], ..ModalOptions::default() };
+    let model = ModalModel::new(&beam, &Boundary::cantilever(), &options).unwrap();
+    let port = |share: f64, factor| Port { dof: Dof::displacement(share * length), factor };
+    let ports = [port(0.4, 1.0), port(1.0, 1.0), port(0.5, 1.0), port(0.5, -1.0), port(0.7, 1.0)];
+    let structure = Structure::from_beam(&model, &ports).unwrap();
+    let (preload, force, omega) = (0.5, 2.0, std::f64::consts::TAU * 22.0);
+    let law = Dahl { sigma0: 2e4, mu_k: 0.3, exponent: 1.0 };
+    let stop = Stop { stiffness: 1e4, damping: 0.0, clearance: 5e-5, two_sided: true };
+
+    let channels = vec![Reading::motion(1), Reading::motion(2), Reading::motion(4)];
+    let mut network = Network::new(structure.clone(), channels, vec![1, 2]);
+    network.loads.push(Load { port: 0, harmonic: 1, amplitude: force.into() });
+    let rubbing = Bristles(law);
+    let normal = Normal::Constant(preload);
+    let contacts = [
+        Contact { slip: 0, normal, force: 0, normal_force: None, element: &rubbing },
+        Contact { slip: 1, normal: Normal::Constant(0.0), force: 1, normal_force: None, element: &stop },
+    ];
+    let (lines, forces) = balanced(&network, &contacts, omega);
+    let (friction, blow) = forces.split_at(forces.len() / 2);
+    assert!(friction[1].norm() > 0.1 * preload * law.mu_k, "the end does not rub: {}", friction[1]);
+    assert!(blow[3].norm() > 0.05 * blow[1].norm(), "the stop is not left and touched: {} {}", blow[1], blow[3]);
+
+    let blow = |port| LocalLoad {
+        port,
+        characteristic: Characteristic::Stop { stiffness: stop.stiffness, gap: stop.clearance },
+    };
+    let assembly = Assembly {
+        structure,
+        inputs: vec![0],
+        friction: Some(FrictionContact { law, slip_port: 1, normal: MarchNormal::constant(preload) }),
+        loads: vec![blow(2), blow(3)],
+    };
+    let found = rms(&lines.motion(2, &forces), false);
+    agree("two contacts", found, marched(&assembly, &[(0.0, force)], omega, 4));
 }
 
 /// The march keeps the linear spring of the normal contact in the structure, and reads `w = −n`.

@@ -172,6 +172,47 @@ fn transient_from_rest_is_solved() {
     check(&found, &record, [0.1, 0.05, 0.05, 0.05]);
 }
 
+/// The whole spectrum of a record that has no period at all.
+fn solve_whole(record: &Record, oracle: &Oracle) -> Reconstruction {
+    let options = Options { form: FormChoice::Aperiodic, ..Options::default() };
+    reconstruct(&oracle.declared(&SENSORS, NOISE, 6, 0.0), &[record.run(FREQUENCY)], &options).unwrap()
+}
+
+/// A sweep through the first natural frequency, 38 Hz to 54 Hz in the second of the record, friction along with it.
+#[test]
+fn a_sweep_is_solved() {
+    let oracle = Oracle::new(STIFFNESS, &SENSORS);
+    let cycles = |t: f64| 38.0 * t + 8.0 * t * t;
+    let swell = |t: f64| (TAU * t.min(0.2) / 0.8).sin().powi(2);
+    let exciter = |t: f64| swell(t) * 0.5 * (TAU * cycles(t)).cos();
+    let rubbing = |t: f64| swell(t) * saturating(1.0, cycles(t));
+    let loads = Loads { exciter: &exciter, friction: &rubbing, ..plain() };
+    let record = recorded(&oracle, &loads, 0.0);
+    let found = solve_whole(&record, &oracle);
+    // The record ends amid the motion, where the force is told from the final state by the prior alone.
+    check(&found, &record, [0.15, 0.05, 0.05, 0.05]);
+    let inside = 200..3896;
+    let force = error(&found.runs[0].friction_force.values[inside.clone()], &record.friction[inside]);
+    assert!(force < 0.05, "{force}");
+}
+
+/// A blow of 5 ms (a squared half sine, 20 N) at a tenth of a second, and friction that opposes what it leaves and dies out with it.
+#[test]
+fn a_blow_is_solved() {
+    let oracle = Oracle::new(STIFFNESS, &SENSORS);
+    let blow = |t: f64| {
+        let share = (t - 0.1) / 5e-3;
+        if (0.0..1.0).contains(&share) { 20.0 * (0.5 * TAU * share).sin().powi(2) } else { 0.0 }
+    };
+    let rubbing = |t: f64| {
+        let after = (t - 0.1).max(0.0);
+        15.0 * (-after / 0.25).exp() * (3.0 * (TAU * 44.0 * after).sin()).tanh()
+    };
+    let loads = Loads { exciter: &blow, friction: &rubbing, ..plain() };
+    let record = recorded(&oracle, &loads, 0.0);
+    check(&solve_whole(&record, &oracle), &record, [0.1, 0.05, 0.05, 0.05]);
+}
+
 /// The reaction of a support that is not its linear spring becomes an unknown of its own.
 #[test]
 fn normal_reaction_is_freed_where_the_residual_asks() {

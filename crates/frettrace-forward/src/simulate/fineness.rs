@@ -32,8 +32,11 @@ impl Marching {
 const COARSE_TOLERANCE: f64 = 1e-5;
 /// … of this many fine samples a step, …
 const COARSENING: usize = 2;
-/// … then to this one on the fine one.
+/// … then to this one on the fine one, …
 const FINE_TOLERANCE: f64 = 1e-8;
+/// … or to this part of the share that makes a step be halved: where a contact sticks and slides, halvings that fall
+/// differently from period to period change the motion by about a hundredth of that share.
+const HALVING_TOLERANCE: f64 = 0.05;
 /// Time constants of the slowest mode after which a run that still changes is recorded as it is.
 const PATIENCE: f64 = 25.0;
 /// Accelerations that change by less than this share of the smallest sensor's signal are as good as the same where no
@@ -189,8 +192,8 @@ impl Job<'_> {
         let options = self.settle_options(march);
         let fine = (options.period * self.fine_rate()).round().max(64.0) as usize;
         march.set_refinement(base.share);
-        let options =
-            SettleOptions { steps_per_period: base.steps * fine, tolerance: FINE_TOLERANCE, ..options };
+        let tolerance = FINE_TOLERANCE.max(HALVING_TOLERANCE * base.share);
+        let options = SettleOptions { steps_per_period: base.steps * fine, tolerance, ..options };
         let known = self.held(base.phase, options.period / options.steps_per_period as f64);
         let settled = settle(march, &options, &known);
         if let Settling::Periodic { multiple, periods, .. } = settled {
