@@ -187,7 +187,10 @@ fn multipliers_under_friction_have_the_product_of_liouville() {
         // The held force at the end of a step follows from the three states: its multipliers are none.
         let product: Complex64 = floquet.multipliers.iter().take(3).product();
         assert!(floquet.stable() && path > rubbing.mu_k / rubbing.sigma0, "{path} {floquet:?}");
-        assert!((product.re / expected - 1.0).abs() < 1e-5 && product.im.abs() < 1e-9, "{product} {expected}");
+        assert!(
+            (product.re / expected - 1.0).abs() < 1e-5 && product.im.abs() < 1e-9,
+            "{product} {expected}"
+        );
         assert!(floquet.multipliers.iter().skip(3).all(|m| m.norm() < 1e-9), "{floquet:?}");
     }
 }

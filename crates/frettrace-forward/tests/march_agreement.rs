@@ -299,7 +299,12 @@ fn friction_and_a_stop_on_either_side() {
     let (lines, forces) = balanced(&network, &contacts, omega);
     let (friction, blow) = forces.split_at(forces.len() / 2);
     assert!(friction[1].norm() > 0.1 * preload * law.mu_k, "the end does not rub: {}", friction[1]);
-    assert!(blow[3].norm() > 0.05 * blow[1].norm(), "the stop is not left and touched: {} {}", blow[1], blow[3]);
+    assert!(
+        blow[3].norm() > 0.05 * blow[1].norm(),
+        "the stop is not left and touched: {} {}",
+        blow[1],
+        blow[3]
+    );
 
     let blow = |port| LocalLoad {
         port,

@@ -114,7 +114,7 @@ fn dahl_wins_on_dahl_data() {
 /// identifiable.
 #[test]
 fn laws_that_are_one_on_the_data_are_said_to_be() {
-    let bench = Bench { amplitude: 1e-4, samples: 32, periods: 3, noise: 0.5 };
+    let bench = Bench { amplitude: 1e-4, samples: 128, periods: 1, noise: 0.5 };
     let made = record(&bench, || |v: f64, _: f64| 0.3_f64.copysign(v));
     let found = auto(&Recording::Contact(made)).unwrap();
     let note = found.notes.iter().find(|note| note.contains("cannot be told apart"));

@@ -72,7 +72,7 @@ impl PreparedRun {
         let known = |k: usize| raw.normal.map_or(raw.preload.unwrap_or(1.0), |n| n[k]);
         let acceleration = raw.acceleration.map_or_else(|| pick(&motion.acceleration), pick);
         let velocity = match raw.velocity {
-            Some(measured) if trustworthy(raw, measured, &motion.velocity) => pick(measured),
+            Some(measured) if trustworthy(measured, &motion.velocity) => pick(measured),
             _ => pick(&motion.velocity),
         };
         let mut history = ContactHistory {
@@ -138,18 +138,11 @@ impl PreparedRun {
     }
 }
 
-/// Measured velocity that agrees with the derivative of the slip to a tenth is the better one where it leaves less of the slip.
-fn trustworthy(raw: &RawRun<'_>, measured: &[f64], derived: &[f64]) -> bool {
+/// Measured velocity that agrees with the derivative of the slip to a tenth is the better one.
+fn trustworthy(measured: &[f64], derived: &[f64]) -> bool {
     let miss: f64 = measured.iter().zip(derived).map(|(a, b)| (a - b).powi(2)).sum();
     let size: f64 = derived.iter().map(|v| v * v).sum();
-    miss < 0.01 * size && unexplained(raw, measured) <= unexplained(raw, derived)
-}
-
-/// What a velocity leaves of the slip over two samples by Simpson's rule, `Σ (u₊ − u₋ − (t₊ − t₋)(v₋ + 4v + v₊)/6)²`: its
-/// noise, and what a smooth derivative has lost where the motion bends within a few samples.
-fn unexplained(raw: &RawRun<'_>, velocity: &[f64]) -> f64 {
-    let triples = raw.time.windows(3).zip(raw.slip.windows(3)).zip(velocity.windows(3));
-    triples.map(|((t, u), v)| (u[2] - u[0] - (t[2] - t[0]) * (v[0] + 4.0 * v[1] + v[2]) / 6.0).powi(2)).sum()
+    miss < 0.01 * size && scatter(measured) <= scatter(derived)
 }
 
 /// Cycles between rising crossings of the middle of the slip, with a hysteresis of a fifth of the amplitude.
