@@ -3,7 +3,7 @@
 //! The clean sets of the plan go through `reconstruct` and `identify`: the bands of friction force, slip and slip velocity
 //! should hold the true history at 95 % of the samples, the intervals of the parameters the true value in 95 % of the rigs.
 //!
-//! The intervals allow for sensors that keep their calibration to [`CALIBRATION`] besides the noise. For `identify` the rigs have
+//! The intervals allow for sensors that keep their calibration to 5·10⁻⁴ besides the noise. For `identify` the rigs have
 //! such sensors; perfect ones would find every interval too wide.
 
 use super::Finished;
