@@ -22,6 +22,11 @@ fn friction(t: f64) -> f64 {
     saturating(FREQUENCY, t)
 }
 
+/// Loads that swell within 0.2 s.
+fn swell(t: f64) -> f64 {
+    (TAU * t.min(0.2) / 0.8).sin().powi(2)
+}
+
 fn plain<'a>() -> Loads<'a> {
     Loads { exciter: &excite, friction: &friction, second: &nothing, normal_deviation: &nothing }
 }
@@ -34,6 +39,12 @@ fn recorded(oracle: &Oracle, loads: &Loads<'_>, settling: f64) -> Record {
 
 fn solve(rig: &Rig, record: &Record) -> Reconstruction {
     reconstruct(rig, &[record.run(FREQUENCY)], &Options::default()).unwrap()
+}
+
+/// Over the whole spectrum, whether the record has a period or not.
+fn solve_whole(rig: &Rig, record: &Record) -> Reconstruction {
+    let options = Options { form: FormChoice::Aperiodic, ..Options::default() };
+    reconstruct(rig, &[record.run(FREQUENCY)], &options).unwrap()
 }
 
 /// Checks friction, slip, slip velocity and normal force against limits.
@@ -122,8 +133,7 @@ fn the_whole_spectrum_agrees_with_the_lines() {
     let record = recorded(&oracle, &plain(), 2.5);
     let rig = oracle.declared(&SENSORS, NOISE, 6, 0.0);
     let lines = solve(&rig, &record);
-    let options = Options { form: FormChoice::Aperiodic, ..Options::default() };
-    let whole = reconstruct(&rig, &[record.run(FREQUENCY)], &options).unwrap();
+    let whole = solve_whole(&rig, &record);
     assert_eq!((lines.runs[0].lines.form, whole.runs[0].lines.form), (Form::Harmonic, Form::Aperiodic));
     // Modes of lines are compared where there are lines.
     let compared = [&lines, &whole].map(|found| compare_modes(&rig, &found.runs[0]).is_some());
@@ -161,7 +171,6 @@ fn normal_reaction_is_freed_in_records_that_are_not_periodic() {
 #[test]
 fn transient_from_rest_is_solved() {
     let oracle = Oracle::new(STIFFNESS, &SENSORS);
-    let swell = |t: f64| (TAU * t.min(0.2) / 0.8).sin().powi(2);
     let exciter = |t: f64| swell(t) * excite(t);
     let rubbing = |t: f64| swell(t) * friction(t);
     let loads = Loads { exciter: &exciter, friction: &rubbing, ..plain() };
@@ -172,23 +181,16 @@ fn transient_from_rest_is_solved() {
     check(&found, &record, [0.1, 0.05, 0.05, 0.05]);
 }
 
-/// The whole spectrum of a record that has no period at all.
-fn solve_whole(record: &Record, oracle: &Oracle) -> Reconstruction {
-    let options = Options { form: FormChoice::Aperiodic, ..Options::default() };
-    reconstruct(&oracle.declared(&SENSORS, NOISE, 6, 0.0), &[record.run(FREQUENCY)], &options).unwrap()
-}
-
 /// A sweep through the first natural frequency, 38 Hz to 54 Hz in the second of the record, friction along with it.
 #[test]
 fn a_sweep_is_solved() {
     let oracle = Oracle::new(STIFFNESS, &SENSORS);
     let cycles = |t: f64| 38.0 * t + 8.0 * t * t;
-    let swell = |t: f64| (TAU * t.min(0.2) / 0.8).sin().powi(2);
     let exciter = |t: f64| swell(t) * 0.5 * (TAU * cycles(t)).cos();
     let rubbing = |t: f64| swell(t) * saturating(1.0, cycles(t));
     let loads = Loads { exciter: &exciter, friction: &rubbing, ..plain() };
     let record = recorded(&oracle, &loads, 0.0);
-    let found = solve_whole(&record, &oracle);
+    let found = solve_whole(&oracle.declared(&SENSORS, NOISE, 6, 0.0), &record);
     // The record ends amid the motion, where the force is told from the final state by the prior alone.
     check(&found, &record, [0.15, 0.05, 0.05, 0.05]);
     let inside = 200..3896;
@@ -210,7 +212,8 @@ fn a_blow_is_solved() {
     };
     let loads = Loads { exciter: &blow, friction: &rubbing, ..plain() };
     let record = recorded(&oracle, &loads, 0.0);
-    check(&solve_whole(&record, &oracle), &record, [0.1, 0.05, 0.05, 0.05]);
+    let found = solve_whole(&oracle.declared(&SENSORS, NOISE, 6, 0.0), &record);
+    check(&found, &record, [0.1, 0.05, 0.05, 0.05]);
 }
 
 /// The reaction of a support that is not its linear spring becomes an unknown of its own.
