@@ -60,16 +60,32 @@ impl ModalModel {
     /// # Errors
     /// [`BeamError`] where a quantity is out of range or more measured modes are given than summed.
     pub fn new(beam: &UniformBeam, boundary: &Boundary, options: &ModalOptions) -> Result<Self, BeamError> {
-        let shapes = mode_shapes(beam, boundary, options.modes)?;
-        let given = options.natural_frequency.len().max(options.damping_ratio.len());
-        if given > options.modes {
-            return Err(BeamError::TooManyMeasured { given, held: options.modes });
-        }
         positive("scale of the higher natural frequencies", options.higher_frequency_scale)?;
-        for &frequency in &options.natural_frequency {
+        let declared = Self {
+            statics: Statics { beam: *beam, boundary: *boundary },
+            shapes: mode_shapes(beam, boundary, options.modes)?,
+            natural_frequency: Vec::new(),
+            damping_ratio: Vec::new(),
+            measured: 0,
+            higher_frequency_scale: options.higher_frequency_scale,
+        };
+        declared.with_measured(&options.natural_frequency, &options.damping_ratio)
+    }
+
+    /// The same beam with other measured values, given as in [`ModalOptions`]; the shapes, which are dear, are taken over.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_measured(&self, natural_frequency: &[f64], damping_ratio: &[f64]) -> Result<Self, BeamError> {
+        let given = natural_frequency.len().max(damping_ratio.len());
+        let held = self.shapes.len();
+        if given > held {
+            return Err(BeamError::TooManyMeasured { given, held });
+        }
+        for &frequency in natural_frequency {
             positive("natural frequency [rad/s]", frequency)?;
         }
-        for &ratio in &options.damping_ratio {
+        for &ratio in damping_ratio {
             if !(0.0..1.0).contains(&ratio) {
                 return Err(BeamError::OutOfRange {
                     quantity: "damping ratio",
@@ -78,19 +94,19 @@ impl ModalModel {
                 });
             }
         }
-        let declared = |n: usize| options.higher_frequency_scale * shapes[n].natural_frequency();
-        let last = options.damping_ratio.last().copied().unwrap_or(0.0);
-        let modes = 0..options.modes;
+        let declared =
+            self.shapes.iter().map(|shape| self.higher_frequency_scale * shape.natural_frequency());
+        let last = damping_ratio.last().copied().unwrap_or(0.0);
         Ok(Self {
-            statics: Statics { beam: *beam, boundary: *boundary },
-            natural_frequency: modes
-                .clone()
-                .map(|n| options.natural_frequency.get(n).copied().unwrap_or_else(|| declared(n)))
+            statics: self.statics,
+            shapes: self.shapes.clone(),
+            natural_frequency: declared
+                .enumerate()
+                .map(|(n, declared)| natural_frequency.get(n).copied().unwrap_or(declared))
                 .collect(),
-            damping_ratio: modes.map(|n| options.damping_ratio.get(n).copied().unwrap_or(last)).collect(),
-            shapes,
-            measured: options.natural_frequency.len(),
-            higher_frequency_scale: options.higher_frequency_scale,
+            damping_ratio: (0..held).map(|n| damping_ratio.get(n).copied().unwrap_or(last)).collect(),
+            measured: natural_frequency.len(),
+            higher_frequency_scale: self.higher_frequency_scale,
         })
     }
 
@@ -145,8 +161,18 @@ impl ModalModel {
     /// Static flexibility of the modes beyond the last one summed.
     #[must_use]
     pub fn residual(&self, output: Dof, input: Dof) -> f64 {
-        let summed: f64 =
-            self.shapes.iter().map(|s| s.at(output) * s.at(input) / s.natural_frequency().powi(2)).sum();
+        self.residual_of((output, input), self.shapes.iter().map(|s| s.at(output) * s.at(input)))
+    }
+
+    /// The same where the products of the shapes at both places are known.
+    pub(crate) fn residual_of(
+        &self,
+        (output, input): (Dof, Dof),
+        products: impl Iterator<Item = f64>,
+    ) -> f64 {
+        let flexibilities =
+            self.shapes.iter().zip(products).map(|(s, product)| product / s.natural_frequency().powi(2));
+        let summed: f64 = flexibilities.sum();
         (self.statics.flexibility(output, input) - summed) / self.higher_frequency_scale.powi(2)
     }
 

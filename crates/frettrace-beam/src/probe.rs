@@ -20,8 +20,18 @@ pub struct Probe {
 
 impl Probe {
     pub(crate) fn new(model: &ModalModel, dofs: &[Dof]) -> Self {
-        let shapes = model.shapes().iter().flat_map(|shape| dofs.iter().map(|&dof| shape.at(dof))).collect();
-        let residual = dofs.iter().flat_map(|&i| dofs.iter().map(move |&j| model.residual(i, j))).collect();
+        let count = dofs.len();
+        let shapes: Vec<f64> =
+            model.shapes().iter().flat_map(|shape| dofs.iter().map(|&dof| shape.at(dof))).collect();
+        let mut residual = vec![0.0; count * count];
+        for i in 0..count {
+            for j in i..count {
+                let products = shapes.chunks_exact(count).map(|shape| shape[i] * shape[j]);
+                let value = model.residual_of((dofs[i], dofs[j]), products);
+                residual[i * count + j] = value;
+                residual[j * count + i] = value;
+            }
+        }
         Self { dofs: dofs.to_vec(), modes: model.mode_count(), shapes, residual }
     }
 

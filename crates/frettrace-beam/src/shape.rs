@@ -38,6 +38,13 @@ impl ModeShape {
         [w, d1 * scale, d2 * scale * scale, d3 * scale.powi(3)]
     }
 
+    /// `∫₀ᴸ φ dx` (m kg^-1/2): from `φ'''' = β⁴ φ`, `(φ'''(L) − φ'''(0))/β⁴`.
+    #[must_use]
+    pub fn integral(&self) -> f64 {
+        let shear = |xi: f64| scaled_derivatives(self.wavenumber, &self.coefficients, xi)[3];
+        (shear(1.0) - shear(0.0)) * self.length / self.wavenumber
+    }
+
     /// `φ(x)` or `φ'(x)`.
     #[must_use]
     pub fn at(&self, dof: Dof) -> f64 {

@@ -83,9 +83,9 @@ impl Recovered {
         let slip = sampled(&|h| balance.slip[h]);
         let velocity = sampled(&|h| balance.slip[h] * Complex64::new(0.0, h as f64 * lines.omega));
         let end = sampled(&|h| balance.end[h]);
-        let turns = model.rig.lever.is_some();
-        let stiffness_of_end = if turns && model.rig.boundary.support_stiffness.is_finite() {
-            model.rig.boundary.support_stiffness
+        let turns = model.rig().lever.is_some();
+        let stiffness_of_end = if turns && model.rig().boundary.support_stiffness.is_finite() {
+            model.rig().boundary.support_stiffness
         } else {
             0.0
         };

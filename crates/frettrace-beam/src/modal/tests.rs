@@ -53,6 +53,9 @@ fn a_probe_equals_the_plain_sum_and_is_reciprocal() {
     let dofs = [Dof::displacement(0.3), Dof::displacement(0.71), Dof::rotation(1.0)];
     let probe = model.probe(&dofs);
     let mut matrix = vec![Complex64::ZERO; 9];
+    for (k, residual) in probe.residual().iter().enumerate() {
+        assert!((residual - model.residual(dofs[k / 3], dofs[k % 3])).abs() < 1e-15);
+    }
     for omega in [3.0, 15.29, 77.0, 310.0] {
         probe.receptances(&model, omega, &mut matrix);
         for (i, &output) in dofs.iter().enumerate() {
@@ -106,6 +109,16 @@ fn a_measured_frequency_moves_its_own_share_of_the_flexibility_only() {
         .sum();
     assert!((difference - share).abs() < 1e-14);
     assert_eq!(model.damping_ratio()[50], 0.005);
+}
+
+#[test]
+fn other_measured_values_on_known_shapes_are_those_of_a_new_model() {
+    let boundary = Boundary::spring(500.0);
+    let declared = ModalModel::new(&UNIT, &boundary, &ModalOptions::default()).unwrap();
+    let model = measured();
+    assert_eq!(declared.with_measured(&[15.3, 50.2, 104.0], &[0.004, 0.006, 0.005]), Ok(model));
+    let refused = declared.with_measured(&[15.3], &[1.5]).unwrap_err();
+    assert!(matches!(refused, BeamError::OutOfRange { quantity: "damping ratio", .. }), "{refused}");
 }
 
 #[test]

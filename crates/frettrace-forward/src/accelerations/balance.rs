@@ -80,7 +80,7 @@ impl AccelerationModel {
         if beside == Beside::Base {
             setting.base.get_or_insert([0.0; 2]);
         }
-        let structure = Structure::new(&self.rig, &setting)?;
+        let structure = self.structure(&setting)?;
         let one = |&run: &usize| self.balance_of(&structure, &setting, (run, beside));
         Ok(selected.iter().map(one).collect())
     }

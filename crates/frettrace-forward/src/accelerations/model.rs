@@ -5,7 +5,7 @@ use super::run::{Evaluation, RunLines};
 use super::setting::{Quantity, Rig, Setting};
 use super::solve::{RunMemory, approach, solve};
 use super::structure::{Block, Layout, Structure};
-use frettrace_beam::BeamError;
+use frettrace_beam::{BeamError, ModalModel};
 use frettrace_fourier::{Grid, GridError};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -60,8 +60,9 @@ impl Memory {
 
 /// Accelerations of a rig under known forces.
 pub struct AccelerationModel {
-    /// The declared rig.
-    pub rig: Rig,
+    rig: Rig,
+    /// Its beam, without measured values.
+    declared: ModalModel,
     /// The runs.
     pub runs: Vec<RunLines>,
     grids: Vec<Grid>,
@@ -79,11 +80,22 @@ impl AccelerationModel {
     /// A model of the given runs.
     ///
     /// # Errors
-    /// [`AccelerationError::Grid`] where a phase grid would alias.
+    /// [`AccelerationError::Grid`] where a phase grid would alias, [`AccelerationError::Beam`] where the beam cannot be modelled.
     pub fn new(rig: Rig, runs: Vec<RunLines>) -> Result<Self, AccelerationError> {
         let grids =
             runs.iter().map(|r| Grid::new(r.contact_order, r.samples)).collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { rig, runs, grids, tolerance: 0.02 })
+        let declared = rig.declared(&rig.boundary)?;
+        Ok(Self { rig, declared, runs, grids, tolerance: 0.02 })
+    }
+
+    /// The declared rig.
+    #[must_use]
+    pub fn rig(&self) -> &Rig {
+        &self.rig
+    }
+
+    pub(super) fn structure(&self, setting: &Setting) -> Result<Structure, BeamError> {
+        Structure::new((&self.rig, &self.declared), setting)
     }
 
     /// Fresh memory: nothing known of any run.
@@ -156,7 +168,7 @@ impl AccelerationModel {
         memory: &mut Memory,
         solved: impl Fn(&Evaluation<'_>, &mut RunMemory, usize) -> Result<(), f64> + Sync,
     ) -> Result<Vec<Prediction>, AccelerationError> {
-        let structure = Structure::new(&self.rig, setting)?;
+        let structure = self.structure(setting)?;
         self.each(selected, memory, |run, kept| {
             let prepared = self.prepare(&structure, setting, run);
             let evaluation = self.evaluation(structure.layout(), setting, &prepared, run);
@@ -203,7 +215,7 @@ impl AccelerationModel {
         selected: &[usize],
         memory: &mut Memory,
     ) -> Result<Vec<Linearised>, AccelerationError> {
-        let structure = Structure::new(&self.rig, setting)?;
+        let structure = self.structure(setting)?;
         let moved = quantities
             .iter()
             .map(|&quantity| self.moved(&structure, setting, quantity))
@@ -246,7 +258,7 @@ impl AccelerationModel {
         let mut beside = setting.clone();
         beside.set(quantity, setting.get(quantity).unwrap_or_default() + distance);
         if Structure::rebuilds(quantity) {
-            return Ok(Some((Structure::new(&self.rig, &beside)?, distance)));
+            return Ok(Some((self.structure(&beside)?, distance)));
         }
         let mut other = structure.clone();
         other.retune(&beside);
@@ -263,7 +275,7 @@ impl AccelerationModel {
         run: usize,
         memory: &mut Memory,
     ) -> Result<ContactHistory, AccelerationError> {
-        let structure = Structure::new(&self.rig, setting)?;
+        let structure = self.structure(setting)?;
         let histories = self.each(&[run], memory, |run, kept| {
             let prepared = self.prepare(&structure, setting, run);
             let evaluation = self.evaluation(structure.layout(), setting, &prepared, run);

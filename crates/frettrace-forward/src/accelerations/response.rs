@@ -16,8 +16,8 @@ pub(super) struct Response {
     period: [[f64; STATES]; STATES],
 }
 
-/// Change of one value of a step: derivatives by motion, then by states, with the changes of both.
-fn dot(gradient: &[f64], motion: &[f64; MOTIONS], state: &[f64; STATES]) -> f64 {
+/// Change of one value of a step: derivatives by motion, then by the `M` states, with the changes of both.
+fn dot<const M: usize>(gradient: &[f64], motion: &[f64; MOTIONS], state: &[f64; M]) -> f64 {
     let (by_motion, by_state) = gradient.split_at(MOTIONS);
     let sum: f64 = by_motion.iter().zip(motion).map(|(a, b)| a * b).sum();
     sum + by_state.iter().zip(state).map(|(a, b)| a * b).sum::<f64>()
@@ -35,25 +35,37 @@ impl Response {
         }
         let mut response =
             Self { used, rows, initial: vec![[0.0; STATES]; locals.len()], period: [[0.0; STATES]; STATES] };
-        let still = [0.0; MOTIONS];
-        for i in 0..used {
-            let mut state = [0.0; STATES];
-            state[i] = 1.0;
-            for k in 0..locals.len() {
-                let force = response.step(k, &still, &mut state);
-                let next = if k + 1 == locals.len() { 0 } else { k + 1 };
-                response.initial[next][i] = force;
-            }
-            response.period[i] = state;
+        match used {
+            1 => response.run_through::<1>(),
+            2 => response.run_through::<2>(),
+            3 => response.run_through::<3>(),
+            _ => response.run_through::<STATES>(),
         }
         response
     }
 
-    /// Change of the force after step `k`; moves the change of the state.
-    fn step(&self, k: usize, motion: &[f64; MOTIONS], state: &mut [f64; STATES]) -> f64 {
-        let width = MOTIONS + self.used;
-        let at = k * (1 + self.used) * width;
-        let rows = &self.rows[at..at + (1 + self.used) * width];
+    /// What each initial state alone does over the period.
+    fn run_through<const M: usize>(&mut self) {
+        let samples = self.initial.len();
+        let still = [0.0; MOTIONS];
+        for i in 0..M {
+            let mut state = [0.0; M];
+            state[i] = 1.0;
+            for k in 0..samples {
+                let force = self.step(k, &still, &mut state);
+                let next = if k + 1 == samples { 0 } else { k + 1 };
+                self.initial[next][i] = force;
+            }
+            self.period[i][..M].copy_from_slice(&state);
+        }
+    }
+
+    /// Change of the force after step `k`; moves the change of the state. `M` states are used: known when compiled, their loops
+    /// are unrolled.
+    fn step<const M: usize>(&self, k: usize, motion: &[f64; MOTIONS], state: &mut [f64; M]) -> f64 {
+        let width = MOTIONS + M;
+        let at = k * (1 + M) * width;
+        let rows = &self.rows[at..at + (1 + M) * width];
         let old = *state;
         for (new, row) in state.iter_mut().zip(rows[width..].chunks_exact(width)) {
             *new = dot(row, motion, &old);
@@ -68,18 +80,33 @@ impl Response {
         motion: impl Fn(usize, usize) -> [f64; MOTIONS],
         by_hook: impl Fn(usize) -> Option<[f64; STATES + 1]>,
     ) -> Vec<f64> {
+        match self.used {
+            1 => self.answer_of::<1>(motion, by_hook),
+            2 => self.answer_of::<2>(motion, by_hook),
+            3 => self.answer_of::<3>(motion, by_hook),
+            _ => self.answer_of::<STATES>(motion, by_hook),
+        }
+    }
+
+    fn answer_of<const M: usize>(
+        &self,
+        motion: impl Fn(usize, usize) -> [f64; MOTIONS],
+        by_hook: impl Fn(usize) -> Option<[f64; STATES + 1]>,
+    ) -> Vec<f64> {
         let samples = self.initial.len();
         let mut force = vec![0.0; samples];
-        let mut state = [0.0; STATES];
+        let mut state = [0.0; M];
         for k in 0..samples {
             let next = if k + 1 == samples { 0 } else { k + 1 };
             force[next] = self.step(k, &motion(k, next), &mut state);
             if let Some(added) = by_hook(k) {
                 force[next] += added[0];
-                state.iter_mut().zip(&added[1..]).take(self.used).for_each(|(s, a)| *s += a);
+                state.iter_mut().zip(&added[1..]).for_each(|(s, a)| *s += a);
             }
         }
-        let start = self.close(&state);
+        let mut reached = [0.0; STATES];
+        reached[..M].copy_from_slice(&state);
+        let start = self.close(&reached);
         for (f, by_start) in force.iter_mut().zip(&self.initial) {
             *f += by_start.iter().zip(&start).map(|(a, b)| a * b).sum::<f64>();
         }

@@ -2,7 +2,7 @@
 
 use super::ports::{COEFFICIENTS, PortLaw};
 use super::run::RunLines;
-use frettrace_beam::{Boundary, UniformBeam};
+use frettrace_beam::{BeamError, Boundary, ModalModel, ModalOptions, UniformBeam};
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 use num_complex::Complex64;
 use std::sync::Arc;
@@ -24,6 +24,13 @@ pub struct Rig {
     pub known_support: Option<f64>,
     /// Modes summed; the rest acts through its static flexibility.
     pub modes: usize,
+}
+
+impl Rig {
+    /// The beam on the given ends, without measured values.
+    pub(super) fn declared(&self, boundary: &Boundary) -> Result<ModalModel, BeamError> {
+        ModalModel::new(&self.beam, boundary, &ModalOptions { modes: self.modes, ..ModalOptions::default() })
+    }
 }
 
 /// Where a port acts.

@@ -2,19 +2,25 @@
 
 use super::run::RunLines;
 use super::setting::{PortPlace, Quantity, Rig, Setting};
-use frettrace_beam::{BeamError, Boundary, Dof, Element, ModalModel, ModalOptions, Probe};
+use frettrace_beam::{BeamError, Boundary, Dof, Element, ModalModel, Probe};
 use num_complex::Complex64;
 
 /// Functionals of the structure: participation of every mode, and the static residual between any two.
 #[derive(Clone, Debug)]
 pub(super) struct Structure {
     model: ModalModel,
-    /// `participation[mode·count + functional]`.
     /// Ratios by which a compliant clamp lowers the measured frequencies; empty where it is stiff.
     clamp: Vec<f64>,
+    /// `participation[mode·count + functional]`.
     participation: Vec<f64>,
-    residual: Vec<f64>,
     count: usize,
+    /// Functionals of the rows and columns of a block, an added mass behind both.
+    rows: Vec<usize>,
+    columns: Vec<usize>,
+    /// `φ_r φ_c` of every row and column, mode by mode, and what the static residual adds: a block is their sum weighted with
+    /// the modal receptances, line after line.
+    products: Vec<f64>,
+    residual: Vec<f64>,
     layout: Layout,
     mass: Option<f64>,
     drift: f64,
@@ -58,6 +64,21 @@ impl Layout {
         2 + self.ports + usize::from(self.known)
     }
 
+    /// Functionals of the rows: all but the exciter and a known force, an added mass behind them.
+    fn rows_of_blocks(self) -> Vec<usize> {
+        (1..=self.rows()).chain(self.mass.then(|| self.mass())).collect()
+    }
+
+    /// Functionals of the columns, an added mass behind them.
+    fn columns_of_blocks(self) -> Vec<usize> {
+        [Self::EXCITER, Self::SLIP]
+            .into_iter()
+            .chain((0..self.ports).map(|p| self.port(p)))
+            .chain(self.known.then(|| self.known()))
+            .chain(self.mass.then(|| self.mass()))
+            .collect()
+    }
+
     /// Row of a sensor.
     pub fn sensor_row(s: usize) -> usize {
         2 + s
@@ -84,14 +105,15 @@ impl Block {
 }
 
 impl Structure {
-    pub fn new(rig: &Rig, setting: &Setting) -> Result<Self, BeamError> {
+    /// Of a rig whose declared beam has been solved already.
+    pub fn new((rig, declared): (&Rig, &ModalModel), setting: &Setting) -> Result<Self, BeamError> {
         let layout = Layout {
             sensors: rig.sensors.len(),
             ports: setting.ports.len(),
             known: rig.known_support.is_some(),
             mass: setting.mass.is_some(),
         };
-        let (model, clamp) = modal_model(rig, setting)?;
+        let (model, clamp) = modal_model((rig, declared), setting)?;
         let (dofs, modal) = functionals(rig, setting);
         let probe = model.probe(&dofs);
         let count = dofs.len();
@@ -106,17 +128,26 @@ impl Structure {
                 };
             }
         }
-        let residual = scaled_residual(&probe, &scale, &modal);
+        let static_residual = scaled_residual(&probe, &scale, &modal);
+        let (rows, columns) = (layout.rows_of_blocks(), layout.columns_of_blocks());
+        let pairs = || rows.iter().flat_map(|&row| columns.iter().map(move |&column| (row, column)));
+        let residual = pairs().map(|(row, column)| static_residual[row * count + column]).collect();
+        let products = participation
+            .chunks_exact(count)
+            .flat_map(|shape| pairs().map(|(row, column)| shape[row] * shape[column]))
+            .collect();
         let rigid = if setting.base.is_some() { rigid_participation(rig, &model) } else { Vec::new() };
-        let mass = setting.mass.map(|m| m[0]);
         Ok(Self {
             model,
             clamp,
             participation,
-            residual,
             count,
+            rows,
+            columns,
+            products,
+            residual,
             layout,
-            mass,
+            mass: setting.mass.map(|m| m[0]),
             drift: setting.drift,
             contact_compliance: setting.contact_compliance,
             rigid,
@@ -142,62 +173,36 @@ impl Structure {
         self.layout
     }
 
-    fn row_functional(&self, row: usize) -> usize {
-        // Rows are the functionals without the exciter; known force and mass come after them.
-        row + 1
-    }
-
-    fn column_functional(&self, column: usize) -> usize {
-        match column {
-            0 => Layout::EXCITER,
-            1 => Layout::SLIP,
-            c if c < 2 + self.layout.ports => self.layout.port(c - 2),
-            _ => self.layout.known(),
-        }
-    }
-
     /// Receptances on the lines `0..=order` of `omega` for a run at `progress` between the first and the last.
     pub fn block(&self, omega: f64, order: usize, progress: f64) -> Block {
-        let Layout { mass, .. } = self.layout;
         let (rows, columns) = (self.layout.rows(), self.layout.columns());
-        let extra = usize::from(mass);
-        let rows_of: Vec<usize> =
-            (0..rows).map(|r| self.row_functional(r)).chain(mass.then(|| self.layout.mass())).collect();
-        let columns_of: Vec<usize> =
-            (0..columns).map(|c| self.column_functional(c)).chain(mass.then(|| self.layout.mass())).collect();
-        let mut wide = vec![Complex64::ZERO; (rows + extra) * (columns + extra)];
+        let width = self.columns.len();
+        let mut wide = vec![Complex64::ZERO; self.rows.len() * width];
         let mut values = Vec::with_capacity((order + 1) * rows * columns);
         // A structure whose frequencies scale by s answers at ω like the nominal one at ω/s, over s².
         let stretch = 1.0 + self.drift * progress;
         for line in 0..=order {
             let at = line as f64 * omega / stretch;
-            self.fill(&mut wide, &rows_of, &columns_of, at);
+            self.fill(&mut wide, at);
             if let Some(mass) = self.mass {
                 add_mass(&mut wide, columns, Element::Mass(mass).dynamic_stiffness(at));
             }
             wide[1] += self.contact_compliance;
-            for row in 0..rows {
-                let start = row * (columns + extra);
-                values.extend(wide[start..start + columns].iter().map(|v| v / (stretch * stretch)));
+            for row in wide.chunks_exact(width).take(rows) {
+                values.extend(row[..columns].iter().map(|v| v / (stretch * stretch)));
             }
         }
         Block { values, rows, columns }
     }
 
-    fn fill(&self, wide: &mut [Complex64], rows: &[usize], columns: &[usize], omega: f64) {
-        for (r, &row) in rows.iter().enumerate() {
-            for (c, &column) in columns.iter().enumerate() {
-                wide[r * columns.len() + c] = Complex64::from(self.residual[row * self.count + column]);
-            }
+    fn fill(&self, wide: &mut [Complex64], omega: f64) {
+        for (value, &residual) in wide.iter_mut().zip(&self.residual) {
+            *value = Complex64::from(residual);
         }
-        for mode in 0..self.model.mode_count() {
+        for (mode, products) in self.products.chunks_exact(wide.len()).enumerate() {
             let gain = self.model.modal_receptance(mode, omega);
-            let shape = &self.participation[mode * self.count..(mode + 1) * self.count];
-            for (r, &row) in rows.iter().enumerate() {
-                let scaled = gain * shape[row];
-                for (c, &column) in columns.iter().enumerate() {
-                    wide[r * columns.len() + c] += scaled * shape[column];
-                }
+            for (value, &product) in wide.iter_mut().zip(products) {
+                *value += gain * product;
             }
         }
     }
@@ -217,8 +222,8 @@ impl Structure {
             let gradient = self.model.modal_receptance_gradient(mode, line as f64 * omega);
             let gain = gradient[usize::from(damping)] * inner;
             for row in 0..rows {
-                let scaled = gain * shape[self.row_functional(row)];
-                values.extend((0..columns).map(|c| scaled * shape[self.column_functional(c)]));
+                let scaled = gain * shape[self.rows[row]];
+                values.extend(self.columns[..columns].iter().map(|&column| scaled * shape[column]));
             }
         }
         Block { values, rows, columns }
@@ -232,16 +237,15 @@ impl Structure {
         let mut out = Vec::with_capacity((order + 1) * rows);
         for line in 0..=order {
             let at = line as f64 * omega;
-            for row in 0..rows {
-                let rigid = f64::from(u8::from(sensors.contains(&row)));
-                let functional = self.row_functional(row);
-                let elastic: Complex64 = (0..self.model.mode_count())
-                    .map(|mode| {
-                        self.model.modal_receptance(mode, at)
-                            * (self.participation[mode * self.count + functional] * self.rigid[mode])
-                    })
-                    .sum();
-                out.push(elastic * (at * at) + rigid);
+            out.extend((0..rows).map(|row| Complex64::from(f64::from(u8::from(sensors.contains(&row))))));
+            let moved = &mut out[line * rows..];
+            for (mode, (shape, rigid)) in
+                self.participation.chunks_exact(self.count).zip(&self.rigid).enumerate()
+            {
+                let gain = self.model.modal_receptance(mode, at) * (at * at * rigid);
+                for (value, &functional) in moved.iter_mut().zip(&self.rows) {
+                    *value += gain * shape[functional];
+                }
             }
         }
         out
@@ -269,26 +273,20 @@ impl Structure {
 
 /// Measured modes on the declared beam; a compliant clamp lowers every mode by the declared beam's own ratios, which come with
 /// them (none where the clamp is stiff).
-fn modal_model(rig: &Rig, setting: &Setting) -> Result<(ModalModel, Vec<f64>), BeamError> {
-    let build = |boundary: &Boundary, frequency: Vec<f64>| {
-        let options = ModalOptions {
-            modes: rig.modes,
-            natural_frequency: frequency,
-            damping_ratio: setting.damping.clone(),
-            ..ModalOptions::default()
-        };
-        ModalModel::new(&rig.beam, boundary, &options)
-    };
+fn modal_model(
+    (rig, declared): (&Rig, &ModalModel),
+    setting: &Setting,
+) -> Result<(ModalModel, Vec<f64>), BeamError> {
     if setting.clamp_compliance <= 0.0 {
-        return Ok((build(&rig.boundary, setting.frequency.clone())?, Vec::new()));
+        return Ok((declared.with_measured(&setting.frequency, &setting.damping)?, Vec::new()));
     }
     let flexural = rig.beam.bending_stiffness / rig.beam.length;
     let soft = Boundary { clamp_rotational_stiffness: flexural / setting.clamp_compliance, ..rig.boundary };
-    let (stiff, loose) = (build(&rig.boundary, Vec::new())?, build(&soft, Vec::new())?);
-    let modes = loose.natural_frequency().iter().zip(stiff.natural_frequency());
+    let loose = rig.declared(&soft)?;
+    let modes = loose.natural_frequency().iter().zip(declared.natural_frequency());
     let ratios: Vec<f64> = modes.map(|(loose, stiff)| loose / stiff).take(setting.frequency.len()).collect();
-    let frequency = setting.frequency.iter().zip(&ratios).map(|(f, ratio)| f * ratio).collect();
-    Ok((build(&soft, frequency)?, ratios))
+    let frequency: Vec<f64> = setting.frequency.iter().zip(&ratios).map(|(f, ratio)| f * ratio).collect();
+    Ok((loose.with_measured(&frequency, &setting.damping)?, ratios))
 }
 
 /// Degrees of freedom of all functionals, and the mode of those that are modal coordinates.
@@ -328,20 +326,9 @@ fn scaled_residual(probe: &Probe, scale: &[f64], modal: &[Option<usize>]) -> Vec
         .collect()
 }
 
-/// `∫ρA φ_n dx` by Simpson's rule on 2·400 intervals (exact to 1e-8 for the first 40 modes).
+/// `∫ρA φ_n dx`.
 fn rigid_participation(rig: &Rig, model: &ModalModel) -> Vec<f64> {
-    let (count, length) = (800_usize, rig.beam.length);
-    let weight = |k: usize| if k == 0 || k == count { 1.0 } else { 2.0 + 2.0 * (k % 2) as f64 };
-    model
-        .shapes()
-        .iter()
-        .map(|shape| {
-            let sum: f64 = (0..=count)
-                .map(|k| weight(k) * shape.at(Dof::displacement(length * k as f64 / count as f64)))
-                .sum();
-            sum * length / (3.0 * count as f64) * rig.beam.mass_per_length
-        })
-        .collect()
+    model.shapes().iter().map(|shape| shape.integral() * rig.beam.mass_per_length).collect()
 }
 
 /// `H ← H − h_a Z/(1 + Z H_aa) h_aᵀ` for the attachment in the last row and column.

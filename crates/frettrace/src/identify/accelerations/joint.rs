@@ -163,7 +163,7 @@ fn coarsen(study: &mut Study<'_>) -> Result<bool, StudyError> {
     }
     if is_coarse {
         let tolerance = study.model.tolerance;
-        study.model = AccelerationModel::new(study.model.rig.clone(), runs).map_err(ExplainError::from)?;
+        study.model = AccelerationModel::new(study.model.rig().clone(), runs).map_err(ExplainError::from)?;
         study.model.tolerance = tolerance;
     }
     Ok(is_coarse)
@@ -175,7 +175,7 @@ fn refine(study: &mut Study<'_>, mut fine: Vec<RunLines>) -> Result<(), StudyErr
         run.known_force.iter_mut().zip(&coarse.known_force).for_each(|(to, from)| *to = *from);
     }
     let tolerance = study.model.tolerance;
-    study.model = AccelerationModel::new(study.model.rig.clone(), fine).map_err(ExplainError::from)?;
+    study.model = AccelerationModel::new(study.model.rig().clone(), fine).map_err(ExplainError::from)?;
     study.model.tolerance = tolerance;
     Ok(())
 }

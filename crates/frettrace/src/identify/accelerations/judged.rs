@@ -159,7 +159,7 @@ fn slides(study: &Study<'_>, fitted: &Fitted, run: usize) -> bool {
 
 /// What longer series and finer grids change in the whitened prediction; `None` where their balance does not close.
 fn truncation(study: &Study<'_>, fitted: &Fitted) -> Option<Vec<f64>> {
-    let rig = Rig { modes: 2 * study.model.rig.modes, ..study.model.rig.clone() };
+    let rig = Rig { modes: 2 * study.model.rig().modes, ..study.model.rig().clone() };
     let finer = |run: &RunLines| RunLines {
         contact_order: 3 * run.contact_order / 2,
         samples: 2 * run.samples,

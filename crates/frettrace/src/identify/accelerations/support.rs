@@ -115,7 +115,7 @@ impl Support {
         }
         let factor = |run: &usize| {
             let lines = study.model.runs.clone();
-            let model = AccelerationModel::new(study.model.rig.clone(), lines)?;
+            let model = AccelerationModel::new(study.model.rig().clone(), lines)?;
             derivative(model, study.model.tolerance, (&fitted.setting, *run, fitted.memory.clone()))
                 .map(nalgebra::Matrix::qr)
         };
