@@ -39,21 +39,20 @@ pub fn make(planned: &Planned) -> anyhow::Result<Made> {
     let mut random = Pcg64::seed_from_u64(planned.seed);
     for _ in 0..ATTEMPTS {
         let drawn = draw(&mut random, &planned.choice)?;
-        if let Some((drawn, scale)) = settled(&mut random, drawn, &planned.choice)? {
-            let made = with_effect(&mut random, drawn, &scale, planned)?;
-            // A rig that no step is fine enough for has no truth to compare with.
-            if !unresolved(&made) {
-                return Ok(made);
-            }
+        if let Some((drawn, scale)) = settled(&mut random, drawn, &planned.choice)?
+            && let Some(made) = with_effect(&mut random, drawn, &scale, planned)?
+        {
+            return Ok(made);
         }
     }
     bail!("{}: no rig settles", planned.name)
 }
 
-/// Whether the accelerations of a run still change by more than the noise with the steps of the march.
-fn unresolved(made: &Made) -> bool {
-    let noise = made.rig.sensors.noise_std_m_per_s2;
-    made.simulation.marching.iter().any(|run| run.change.is_some_and(|change| change > noise))
+/// Whether the accelerations of a run still change by more than the noise with the steps of the march: a rig that no step is
+/// fine enough for has no truth to compare with.
+fn unresolved(simulation: &Simulation, rig: &Rig) -> bool {
+    let noise = rig.sensors.noise_std_m_per_s2;
+    simulation.marching.iter().any(|run| run.change.is_some_and(|change| change > noise))
 }
 
 /// Runs the plain rig at two levels: sizes of the motion, from which the rest is scaled. `None` where the rig will not do.
@@ -134,11 +133,19 @@ fn finish_law(random: &mut impl Rng, drawn: &mut Drawn, law: &str, scale: &Scale
     }
 }
 
-/// The set with its effect, doubled until it stands out of the noise.
-fn with_effect(random: &mut Pcg64, drawn: Drawn, scale: &Scale, planned: &Planned) -> anyhow::Result<Made> {
+/// The set with its effect, doubled until it stands out of the noise; `None` where no step is fine enough.
+fn with_effect(
+    random: &mut Pcg64,
+    drawn: Drawn,
+    scale: &Scale,
+    planned: &Planned,
+) -> anyhow::Result<Option<Made>> {
     let plain = simulate(&drawn.rig, &Progress::silent())?;
+    if unresolved(&plain, &drawn.rig) {
+        return Ok(None);
+    }
     let Some(formula) = planned.formula else {
-        return Ok(Made { simulation: plain, rig: drawn.rig, effect: None, visible: 1.0 });
+        return Ok(Some(Made { simulation: plain, rig: drawn.rig, effect: None, visible: 1.0 }));
     };
     let seed: u64 = random.random();
     let mut size = f64::from(planned.size);
@@ -148,9 +155,12 @@ fn with_effect(random: &mut Pcg64, drawn: Drawn, scale: &Scale, planned: &Planne
         let mut rig = drawn.rig.clone();
         rig.effects.push(effect.clone());
         let simulation = simulate(&rig, &Progress::silent())?;
+        if unresolved(&simulation, &rig) {
+            return Ok(None);
+        }
         let visible = visible(&plain, &simulation, rig.sensors.noise_std_m_per_s2);
         if visible > LARGE_ENOUGH || doubling == DOUBLINGS {
-            return Ok(Made { simulation, rig, effect: Some(effect), visible });
+            return Ok(Some(Made { simulation, rig, effect: Some(effect), visible }));
         }
         size *= 2.0;
     }

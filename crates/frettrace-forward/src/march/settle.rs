@@ -11,19 +11,29 @@ pub struct SettleOptions {
     pub period: f64,
     /// Steps over one period.
     pub steps_per_period: usize,
-    /// Periods before giving up.
+    /// Periods before giving up; no more steps are made than these have without halvings.
     pub maximum_periods: usize,
     /// Change of the modal state over the period, relative to its size, that counts as steady.
     pub tolerance: f64,
     /// Largest number of excitation periods after which the motion may repeat.
     pub largest_multiple: usize,
+    /// Periods in which whatever decays loses more than half; a march whose change does not fall by half in two such spans is
+    /// given up before the most periods. `None`: never.
+    pub half_life: Option<usize>,
 }
 
 impl SettleOptions {
-    /// Defaults for a period (s): 2048 steps, 3000 periods, 1e-9, up to six periods.
+    /// Defaults for a period (s): 2048 steps, 3000 periods, 1e-9, up to six periods, never given up before.
     #[must_use]
     pub fn new(period: f64) -> Self {
-        Self { period, steps_per_period: 2048, maximum_periods: 3000, tolerance: 1e-9, largest_multiple: 6 }
+        Self {
+            period,
+            steps_per_period: 2048,
+            maximum_periods: 3000,
+            tolerance: 1e-9,
+            largest_multiple: 6,
+            half_life: None,
+        }
     }
 }
 
@@ -45,6 +55,8 @@ pub enum Settling {
         change: f64,
         /// Excitation periods marched.
         periods: usize,
+        /// Whether so many steps were halved that it was given up: the contact chatters.
+        chatters: bool,
     },
 }
 
@@ -58,6 +70,9 @@ pub fn settle<L: FrictionLaw<f64>>(
     let mut loads = vec![0.0; march.input_count()];
     let mut history: Vec<Vec<f64>> = Vec::new();
     let mut change = f64::INFINITY;
+    let mut decline = Decline::default();
+    let most_steps = options.maximum_periods * options.steps_per_period;
+    let steps_before = march.step_count();
     for periods in 0..=options.maximum_periods {
         let now = march.energy_coordinates();
         let size = now.iter().map(|v| v * v).sum::<f64>().sqrt();
@@ -68,6 +83,11 @@ pub fn settle<L: FrictionLaw<f64>>(
         change = changes.iter().copied().fold(f64::INFINITY, f64::min);
         if let Some(multiple) = repeats(&changes, options.tolerance) {
             return Settling::Periodic { multiple, change, periods };
+        }
+        let ended = options.half_life.is_some_and(|span| decline.has_ended(span, change));
+        let chatters = march.step_count() - steps_before > most_steps;
+        if ended || chatters {
+            return Settling::NotPeriodic { change, periods, chatters };
         }
         if history.len() == options.largest_multiple {
             history.remove(0);
@@ -84,7 +104,38 @@ pub fn settle<L: FrictionLaw<f64>>(
             march.set_time(time);
         }
     }
-    Settling::NotPeriodic { change, periods: options.maximum_periods }
+    Settling::NotPeriodic { change, periods: options.maximum_periods, chatters: false }
+}
+
+/// Spans without a fall by half after which a motion does not decay any more.
+const IDLE_SPANS: usize = 2;
+
+/// The smallest change of every span.
+struct Decline {
+    periods: usize,
+    least: f64,
+    before: f64,
+    idle: usize,
+}
+
+impl Default for Decline {
+    fn default() -> Self {
+        Self { periods: 0, least: f64::INFINITY, before: f64::INFINITY, idle: 0 }
+    }
+}
+
+impl Decline {
+    /// Whether the change, that of one more period, has stopped falling.
+    fn has_ended(&mut self, span: usize, change: f64) -> bool {
+        self.periods += 1;
+        self.least = self.least.min(change);
+        if self.periods.is_multiple_of(span.max(1)) {
+            self.idle = if self.least > 0.5 * self.before { self.idle + 1 } else { 0 };
+            self.before = self.least;
+            self.least = f64::INFINITY;
+        }
+        self.idle >= IDLE_SPANS
+    }
 }
 
 /// A decaying oscillation of half the excitation's frequency repeats after two periods before it repeats after one: a
@@ -115,6 +166,20 @@ fn repeats(changes: &[f64], tolerance: f64) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A decay by e in ten periods is never given up, what stays is after three spans: one to begin with and two without a fall.
+    #[test]
+    fn what_does_not_decay_is_given_up() {
+        let ends = |change: &dyn Fn(usize) -> f64| {
+            let mut decline = Decline::default();
+            (1..=400).find(|&period| decline.has_ended(10, change(period)))
+        };
+        assert_eq!(ends(&|period| (-0.1 * period as f64).exp()), None);
+        assert_eq!(ends(&|_| 1e-6), Some(30));
+        // Onto a floor of 1e-6: 7.1e-6 at 120, 3.3e-6 at 130, 1.8e-6 at 140; the span that ends at 130 is the last to fall by half.
+        let onto = |period: usize| 1e-6 + (-0.1 * period as f64).exp();
+        assert_eq!(ends(&onto), Some(150));
+    }
 
     /// Changes over one, two and three periods at a tolerance of 1e-8, each case by hand.
     #[test]

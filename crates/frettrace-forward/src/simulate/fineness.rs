@@ -14,7 +14,7 @@ pub struct Marching {
     /// Steps a second (Hz), in the mean over the record, with those that were taken back.
     pub rate: f64,
     /// Change of the accelerations by the last tightening (m/s², root mean square of the worst sensor); `None` where the
-    /// rate was given. About a fifth of it is left.
+    /// rate was given, infinite where the contact chatters and no tightening could be paid. About a fifth of it is left.
     pub change: Option<f64>,
     /// Change that was wanted (m/s²).
     pub tolerance: f64,
@@ -39,6 +39,8 @@ const FINE_TOLERANCE: f64 = 1e-8;
 const HALVING_TOLERANCE: f64 = 0.05;
 /// Time constants of the slowest mode after which a run that still changes is recorded as it is.
 const PATIENCE: f64 = 25.0;
+/// Time constants in which its motion has lost more than half (seven times that, alone).
+const HALF_LIFE: f64 = 2.0;
 /// Accelerations that change by less than this share of the smallest sensor's signal are as good as the same where no
 /// tolerance is given.
 const RELATIVE: f64 = 1e-4;
@@ -55,6 +57,9 @@ const GIVEN_SHARE: f64 = 1e-6;
 /// A tightening that leaves more than this share of the change before does not lead to the tolerance: the run is chaotic,
 /// or has more than one answer.
 const HOPELESS: f64 = 0.8;
+/// So does one of which not this share of the signal is as it was: two ways of a chaotic run, which shorter steps, ever
+/// dearer where it chatters, part all the same.
+const ANOTHER: f64 = 0.1;
 
 /// All channels on the fine time base.
 pub(super) struct Fine {
@@ -121,23 +126,33 @@ impl Job<'_> {
         mut settling: Settling,
     ) -> Marched {
         let mut base = Base { phase, steps: 1, share: FIRST_SHARE };
-        let mut before: Option<Vec<Vec<f64>>> = None;
+        let mut before: Option<(Fine, Vec<Vec<f64>>, f64)> = None;
         let mut last = f64::INFINITY;
         loop {
             settling = self.settle_on(&mut march, &base, settling);
+            if matches!(settling, Settling::NotPeriodic { chatters: true, .. }) {
+                let (fine, rate) = match before {
+                    Some((fine, _, rate)) => (fine, rate),
+                    None => self.record(march, &base),
+                };
+                let marching = Marching { rate, change: Some(f64::INFINITY), tolerance: wanted };
+                return Marched { fine, settling, marching };
+            }
             let (fine, rate) = self.record(march.clone(), &base);
             let signals = self.perfect(&fine);
-            if let Some(before) = &before {
+            if let Some((_, before, _)) = &before {
                 let change = signals.iter().zip(before).map(|(a, b)| distance(a, b)).fold(0.0, f64::max);
                 let tolerance = if wanted > 0.0 { wanted } else { RELATIVE * smallest(&signals) };
-                let hopeless = change > HOPELESS * last || base.share * TIGHTENING < LAST_SHARE;
+                let hopeless = change > HOPELESS * last
+                    || change > ANOTHER * smallest(&signals)
+                    || base.share * TIGHTENING < LAST_SHARE;
                 if change <= tolerance || hopeless {
                     let marching = Marching { rate, change: Some(change), tolerance };
                     return Marched { fine, settling, marching };
                 }
                 last = change;
             }
-            before = Some(signals);
+            before = Some((fine, signals, rate));
             base.share *= TIGHTENING;
         }
     }
@@ -145,8 +160,10 @@ impl Job<'_> {
     fn settle_options<L: FrictionLaw<f64>>(&self, march: &March<'_, L>) -> SettleOptions {
         let period = TAU / self.run.omega;
         let damping = self.rig.damping_ratio.iter().copied().fold(f64::INFINITY, f64::min).clamp(1e-4, 1.0);
-        let patience = PATIENCE / (damping * march.slowest_frequency() * period);
-        SettleOptions { maximum_periods: patience.ceil().max(50.0) as usize, ..SettleOptions::new(period) }
+        let time_constant = 1.0 / (damping * march.slowest_frequency() * period);
+        let patience = (PATIENCE * time_constant).ceil().max(50.0) as usize;
+        let half_life = (HALF_LIFE * time_constant).ceil().max(10.0) as usize;
+        SettleOptions { maximum_periods: patience, half_life: Some(half_life), ..SettleOptions::new(period) }
     }
 
     /// From rest to nearly steady, in long steps.
