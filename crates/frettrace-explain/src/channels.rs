@@ -1,9 +1,11 @@
-//! Channels at fault, found in their own samples before any model is blamed: dropouts, clipping, mains hum, offsets.
+//! Channels at fault, found in their own samples before any model is blamed: dropouts, clipping, drift, mains hum, offsets.
 //!
 //! What a fault spoils is mended or left out, so that everything after works on what the channel would have read; the
 //! difference counts in the error before.
 
+mod bare;
 mod clipping;
+mod drift;
 mod dropout;
 mod hum;
 
@@ -34,8 +36,12 @@ pub struct Clipped {
 
 /// Sensors that must be left in a run for one to be left out.
 pub(crate) const LEAST_LEFT: usize = 3;
-/// What lies beside the lines over the noise from which hum is looked for.
+/// What lies beside the lines over the noise from which drift and hum are looked for.
 const LOUD: f64 = 1.15;
+/// χ² per run that a drift or a tone must explain in a channel.
+const HEARD_IN_A_RUN: f64 = 40.0;
+/// Smallest size of a drift or a hum over the noise: half a deviation adds an eighth to a quarter to the power of the noise.
+const HEARD: f64 = 0.5;
 /// Standard errors by which the mean of a channel must differ from nothing to be an offset.
 const OFFSET_CLAIM: f64 = 8.0;
 
@@ -51,19 +57,33 @@ pub fn records(
     let mut faults = clipping::find(runs, noise, &mut channels);
     faults.extend(dropout::find(runs, &mut channels));
     let mut records = channels.records(runs, noise)?;
-    if records.iter().any(|r| more_than_noise(r, noise)) {
+    for find in [drift::find, hum::find] {
+        if !records.iter().any(|r| more_than_noise(r, noise)) {
+            break;
+        }
         let before = channels.signal.clone();
-        let found = hum::find(runs, noise, &mut channels);
+        let found = find(runs, noise, &mut channels);
+        if found.is_empty() {
+            continue;
+        }
+        // Without a fault that is one, every run is closer to its lines than with it.
         let mended = channels.records(runs, noise)?;
-        // Without a hum that is one, every run is closer to its lines than with it.
-        if !found.is_empty() && quieter(&mended, &records) {
+        if quieter(&mended, &records) {
             faults.extend(found);
             records = mended;
         } else {
             channels.signal = before;
         }
     }
-    faults.extend(offsets(&mut records));
+    for offset in offsets(&mut records) {
+        match faults.iter_mut().find(|fault| fault.id == offset.id && fault.sensor == offset.sensor) {
+            Some(known) => {
+                known.parameters.extend(offset.parameters);
+                known.evidence += offset.evidence;
+            }
+            None => faults.push(offset),
+        }
+    }
     Ok((records, faults))
 }
 

@@ -135,6 +135,16 @@ impl Projector {
         Ok(Projected { harmonics, drift, residual, residual_std })
     }
 
+    /// The drift `Σ c_k P_k` of given coefficients on the samples (`n`).
+    #[must_use]
+    pub fn drift(&self, coefficients: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; self.lines.samples];
+        for (polynomial, c) in self.polynomials.iter().zip(coefficients) {
+            out.iter_mut().zip(polynomial).for_each(|(f, p)| *f += c * p);
+        }
+        out
+    }
+
     fn right_side(&self, x: &[f64]) -> faer::Col<f64> {
         let order = self.lines.order;
         let sums = self.phasors.transform(x);
@@ -148,10 +158,7 @@ impl Projector {
     fn residual(&self, x: &[f64], coefficients: &[Complex64], drift: &[f64]) -> Vec<f64> {
         let mut fit = vec![0.0; x.len()];
         self.phasors.synthesise(coefficients, &mut fit);
-        for (polynomial, c) in self.polynomials.iter().zip(drift) {
-            fit.iter_mut().zip(polynomial).for_each(|(f, p)| *f += c * p);
-        }
-        x.iter().zip(&fit).map(|(v, f)| v - f).collect()
+        x.iter().zip(&fit).zip(self.drift(drift)).map(|((v, f), d)| v - f - d).collect()
     }
 }
 

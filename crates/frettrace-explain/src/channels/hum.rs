@@ -1,33 +1,19 @@
 //! Mains hum: a tone of a fixed frequency that is no line of the motion.
 
-use super::{ChannelFault, Channels};
+use super::bare::{Bare, bare};
+use super::{ChannelFault, Channels, HEARD, HEARD_IN_A_RUN};
 use crate::RunSamples;
-use frettrace_fourier::{Lines, Projector, refine};
 use std::f64::consts::TAU;
 
 /// Mains frequencies (Hz) and the harmonics that are looked for.
 const MAINS: [f64; 2] = [50.0, 60.0];
 const HARMONICS: usize = 6;
-/// χ² per run that a tone must explain in a channel.
-const CLAIM: f64 = 40.0;
-/// Smallest amplitude of a hum over the noise: half a deviation adds an eighth to the power of the noise.
-const HEARD: f64 = 0.5;
 /// Share of a tone that the lines of the motion may take before it cannot be told from them.
 const LEAST_OWN: f64 = 0.02;
 /// Largest ratio between the upper and the lower quartile of a hum's amplitude over the runs: it does not follow the level.
 const STEADY: f64 = 2.0;
 /// Tones that are taken out.
 const MOST: usize = 4;
-
-/// A run with its lines taken out.
-struct Bare<'a> {
-    run: &'a RunSamples<'a>,
-    projector: Projector,
-    /// What the lines leave, `[sensor]`.
-    residual: Vec<Vec<f64>>,
-    /// Variance of it, `[sensor]`.
-    variance: Vec<f64>,
-}
 
 /// A tone in one channel over the runs.
 struct Tone {
@@ -47,18 +33,25 @@ pub(super) fn find(
 ) -> Vec<ChannelFault> {
     let mut faults: Vec<ChannelFault> = Vec::new();
     for _ in 0..MOST {
-        let Some(bare) = bare(runs, noise, channels) else { break };
+        let Some(bare) = bare(runs, noise, channels, 0) else { break };
         let mut best: Option<Tone> = None;
         for multiple in 1..=HARMONICS {
             for frequency in MAINS.map(|f| f * multiple as f64) {
-                for tone in tones(&bare, frequency) {
+                let tones = tones(&bare, frequency);
+                let heard =
+                    tones.iter().filter(|tone| tone.gain > HEARD_IN_A_RUN * runs.len() as f64).count();
+                if 2 * heard > tones.len() && runs.iter().any(|run| subharmonic(run, frequency)) {
+                    continue;
+                }
+                for tone in tones {
                     if best.as_ref().is_none_or(|b| tone.gain > b.gain) {
                         best = Some(tone);
                     }
                 }
             }
         }
-        let Some(tone) = best.filter(|t| t.gain > CLAIM * runs.len() as f64 && steady(&t.amplitude)) else {
+        let Some(tone) = best.filter(|t| t.gain > HEARD_IN_A_RUN * runs.len() as f64 && steady(&t.amplitude))
+        else {
             break;
         };
         let size = |a: &[f64; 2]| a[0].hypot(a[1]);
@@ -84,37 +77,6 @@ pub(super) fn find(
         });
     }
     faults
-}
-
-fn bare<'a>(runs: &'a [RunSamples<'a>], noise: Option<&[f64]>, channels: &Channels) -> Option<Vec<Bare<'a>>> {
-    let mut out = Vec::with_capacity(runs.len());
-    for (run, signals) in runs.iter().zip(&channels.signal) {
-        let samples = run.force.len();
-        let lines = |base: f64, order: usize| Lines {
-            base,
-            order,
-            samples,
-            sampling_rate: run.sampling_rate,
-            drift: 0,
-        };
-        let base = refine(lines(TAU * run.excitation_frequency, 3), &[run.force]).ok()?.base;
-        let highest = (0.8 * std::f64::consts::PI * run.sampling_rate / base) as usize;
-        let projector = Projector::new(lines(base, highest.min(80).min(samples / 4).max(1))).ok()?;
-        let residual: Vec<Vec<f64>> = signals
-            .iter()
-            .map(|x| projector.project(x).map(|p| p.residual))
-            .collect::<Result<_, _>>()
-            .ok()?;
-        let variance = residual
-            .iter()
-            .enumerate()
-            .map(|(s, r)| {
-                noise.map_or_else(|| r.iter().map(|v| v * v).sum::<f64>() / r.len() as f64, |n| n[s] * n[s])
-            })
-            .collect();
-        out.push(Bare { run, projector, residual, variance });
-    }
-    Some(out)
 }
 
 /// The tone of a frequency in every channel, beside the lines of the motion.
@@ -155,6 +117,17 @@ fn tones(bare: &[Bare<'_>], frequency: f64) -> Vec<Tone> {
     out
 }
 
+/// Whether a tone is nearer to a half or a third of a line of the motion than the record can tell: what most sensors hear there
+/// is the motion's own.
+fn subharmonic(run: &RunSamples<'_>, frequency: f64) -> bool {
+    let resolution = run.sampling_rate / run.force.len().max(1) as f64;
+    [2.0, 3.0].into_iter().any(|part: f64| {
+        let base = run.excitation_frequency / part;
+        let line = (frequency / base).round();
+        line % part != 0.0 && (frequency - line * base).abs() < resolution
+    })
+}
+
 /// Whether an amplitude is the same in the runs, as nothing is that the excitation moves.
 fn steady(amplitude: &[[f64; 2]]) -> bool {
     let mut sizes: Vec<f64> = amplitude.iter().map(|a| a[0].hypot(a[1])).filter(|a| *a > 0.0).collect();
@@ -169,5 +142,27 @@ fn take_out(runs: &[RunSamples<'_>], tone: &Tone, channels: &mut Channels) {
             let angle = TAU * tone.frequency * k as f64 / run.sampling_rate;
             *value -= amplitude[0] * angle.cos() + amplitude[1] * angle.sin();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A quarter of a second tells tones 4 Hz apart: at 118.6 Hz mains of 60 Hz lies beside the half (59.3 Hz) and of 50 Hz beside
+    /// neither half nor third (39.5 and 79.0 Hz); at 60 Hz both mains are lines or between them.
+    #[test]
+    fn mains_beside_a_subharmonic_of_the_motion_are_known() {
+        let run = |excitation_frequency: f64| RunSamples {
+            force: &[0.0; 4096],
+            acceleration: &[],
+            sampling_rate: 16_384.0,
+            excitation_frequency,
+            preload: 1.0,
+        };
+        assert!(subharmonic(&run(118.6), 60.0));
+        assert!(!subharmonic(&run(118.6), 50.0));
+        assert!(!subharmonic(&run(60.0), 60.0));
+        assert!(!subharmonic(&run(60.0), 50.0));
     }
 }

@@ -1,8 +1,8 @@
 //! `measurement.offset`.
 //!
-//! *Adds*: a constant offset of one sensor.
+//! *Adds*: an offset of one sensor, constant or drifting over a record or from run to run.
 //!
-//! *Shows as*: one sensor off on line 0 alone.
+//! *Shows as*: one sensor off on line 0, or a ramp of its mean.
 //!
 //! *Mistaken for*: `measurement.dropout`; told apart by the sensor at rest.
 

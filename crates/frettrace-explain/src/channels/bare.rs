@@ -1,0 +1,57 @@
+//! Runs with the lines of the motion taken out.
+
+use super::Channels;
+use crate::RunSamples;
+use frettrace_fourier::{Lines, Projector, refine};
+use std::f64::consts::TAU;
+
+/// Most lines that are taken out.
+const LINES: usize = 80;
+
+/// A run with its lines taken out.
+pub(super) struct Bare<'a> {
+    pub(super) run: &'a RunSamples<'a>,
+    pub(super) projector: Projector,
+    /// What lines and drift leave, `[sensor]`.
+    pub(super) residual: Vec<Vec<f64>>,
+    /// Variance of it, that of the noise where it is known, `[sensor]`.
+    pub(super) variance: Vec<f64>,
+    /// Coefficients of the drift, `[sensor]`.
+    pub(super) drift: Vec<Vec<f64>>,
+}
+
+/// All runs without their lines and without a drift of the given degree; `None` where one of them cannot be projected.
+pub(super) fn bare<'a>(
+    runs: &'a [RunSamples<'a>],
+    noise: Option<&[f64]>,
+    channels: &Channels,
+    drift: usize,
+) -> Option<Vec<Bare<'a>>> {
+    let mut out = Vec::with_capacity(runs.len());
+    for (run, signals) in runs.iter().zip(&channels.signal) {
+        let samples = run.force.len();
+        let lines = |base: f64, order: usize, drift: usize| Lines {
+            base,
+            order,
+            samples,
+            sampling_rate: run.sampling_rate,
+            drift,
+        };
+        let base = refine(lines(TAU * run.excitation_frequency, 3, 0), &[run.force]).ok()?.base;
+        let highest = (0.8 * std::f64::consts::PI * run.sampling_rate / base) as usize;
+        let order = highest.min(LINES).min(samples / 4).max(1);
+        let projector = Projector::new(lines(base, order, drift)).ok()?;
+        let projected = signals.iter().map(|x| projector.project(x)).collect::<Result<Vec<_>, _>>().ok()?;
+        let variance = projected
+            .iter()
+            .enumerate()
+            .map(|(s, p)| {
+                let mean_square = || p.residual.iter().map(|v| v * v).sum::<f64>() / p.residual.len() as f64;
+                noise.map_or_else(mean_square, |n| n[s] * n[s])
+            })
+            .collect();
+        let (residual, drift) = projected.into_iter().map(|p| (p.residual, p.drift)).unzip();
+        out.push(Bare { run, projector, residual, variance, drift });
+    }
+    Some(out)
+}

@@ -1,0 +1,58 @@
+//! Offsets that drift over a record, as a charge amplifier's or a warming sensor's do: a ramp or a slow bend in one channel.
+//!
+//! The drift of every channel is fitted beside the lines of the motion as `Σ c_k P_k`, `k = 1 … 3`, Legendre polynomials over the
+//! record, whose mean square is `Σ c_k²/(2k + 1)`.
+
+use super::bare::bare;
+use super::{ChannelFault, Channels, HEARD, HEARD_IN_A_RUN};
+use crate::RunSamples;
+
+/// Degree of the drift.
+const DEGREE: usize = 3;
+
+/// Finds drifts and takes them out; their means are left to whoever looks for offsets. What most channels have is a motion that
+/// has not settled.
+pub(super) fn find(
+    runs: &[RunSamples<'_>],
+    noise: Option<&[f64]>,
+    channels: &mut Channels,
+) -> Vec<ChannelFault> {
+    let Some(bare) = bare(runs, noise, channels, DEGREE) else { return Vec::new() };
+    let sensors = bare.first().map_or(0, |b| b.drift.len());
+    let mut found: Vec<ChannelFault> = Vec::new();
+    for sensor in 0..sensors {
+        let (mut gain, mut power, mut ramp) = (0.0, 0.0, 0.0);
+        for one in &bare {
+            let square = mean_square(&one.drift[sensor]);
+            gain += square * one.run.force.len() as f64 / one.variance[sensor];
+            power += square / one.variance[sensor];
+            ramp += 2.0 * one.drift[sensor].first().copied().unwrap_or_default();
+        }
+        let count = bare.len() as f64;
+        if gain > HEARD_IN_A_RUN * count && power > HEARD * HEARD * count {
+            let mean = ramp / count;
+            let parameter = ("drift_over_record".into(), "m/s^2".into(), mean, mean.abs() * gain.powf(-0.5));
+            found.push(ChannelFault {
+                id: "measurement.offset",
+                sensor,
+                parameters: vec![parameter],
+                evidence: gain,
+            });
+        }
+    }
+    if 2 * found.len() > sensors {
+        return Vec::new();
+    }
+    for fault in &found {
+        for (one, signals) in bare.iter().zip(&mut channels.signal) {
+            let drift = one.projector.drift(&one.drift[fault.sensor]);
+            signals[fault.sensor].iter_mut().zip(drift).for_each(|(value, drift)| *value -= drift);
+        }
+    }
+    found
+}
+
+/// Mean square of a drift over the record.
+fn mean_square(coefficients: &[f64]) -> f64 {
+    coefficients.iter().zip(1..).map(|(c, k)| c * c / f64::from(2 * k + 1)).sum()
+}
