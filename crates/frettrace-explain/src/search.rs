@@ -128,7 +128,8 @@ impl Study<'_> {
         Ok(found)
     }
 
-    /// The same model without its effect of the given place in the list, fitted again; `None` where that is not of the law.
+    /// The same model without its effect of the given place in the list, fitted again: what the effect freed is held to what is
+    /// declared of it. `None` where it brought something that nothing is declared of, outside the law.
     pub(crate) fn without(&self, from: &Explained, place: usize) -> Option<Explained> {
         let declared = self.case.unknowns();
         let others = |k: &usize| *k != place;
@@ -136,9 +137,11 @@ impl Study<'_> {
             (0..from.effects.len()).filter(others).flat_map(|k| from.own(k).to_vec()).collect();
         let mut reduced = from.clone();
         for unknown in from.own(place) {
-            let Quantity::Law(hook) = unknown.quantity else { return None };
-            if !added.iter().chain(&declared).any(|u| u.quantity == unknown.quantity) {
-                reduced.fitted.setting.law.clear(hook);
+            let remains = added.iter().chain(&declared).any(|u| u.quantity == unknown.quantity);
+            match unknown.quantity {
+                _ if remains => {}
+                Quantity::Law(hook) => reduced.fitted.setting.law.clear(hook),
+                _ => return None,
             }
         }
         reduced.added = added;

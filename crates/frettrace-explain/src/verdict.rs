@@ -130,17 +130,44 @@ impl Search<'_> {
         // No law closes a balance that is wide open: a few steps show how far the declared model is.
         let wide = self.study.balance_reduced(&setting).0 > BALANCE_WIDE;
         let steps = if wide { 4 } else { 10 };
+        let begun = |law: ModifiedLaw<f64>| {
+            let setting = Setting { law, ..setting.clone() };
+            self.study.whole(setting, &unknowns, (Vec::new(), Vec::new()), steps).ok()
+        };
+        if setting.holds_rigidly() {
+            let slid = begun(setting.law);
+            let complete = slid.as_ref().is_some_and(Explained::complete);
+            let held = if complete { None } else { begun(self.held(&setting)) };
+            let by_criterion = |a: &Explained, b: &Explained| a.criterion.total_cmp(&b.criterion);
+            if let Some(found) = slid.into_iter().chain(held).min_by(by_criterion) {
+                return Ok(found);
+            }
+        }
         // Where a stiff contact has no steady answer from a cold start, a softer one leads to it.
-        for softer in [1.0, 0.2, 0.04, 0.008] {
-            let mut setting = setting.clone();
-            let stiffness = setting.law.get(Hook::Sigma0).unwrap_or(1.0);
-            setting.law.set(Hook::Sigma0, softer * stiffness);
-            if let Ok(found) = self.study.whole(setting, &unknowns, (Vec::new(), Vec::new()), steps) {
+        let softer: &[f64] = if setting.holds_rigidly() { &[] } else { &[1.0, 0.2, 0.04, 0.008] };
+        for softer in softer {
+            let mut law = setting.law;
+            law.set(Hook::Sigma0, softer * law.get(Hook::Sigma0).unwrap_or(1.0));
+            if let Some(found) = begun(law) {
                 return Ok(found);
             }
         }
         // A declared model without a steady answer is still a model: it explains nothing.
         self.study.blank(setting, &unknowns)
+    }
+
+    /// The law with so much friction that no run slides: a rigid contact that held all the time tells nothing of its law but
+    /// that, and a law fitted to the noise of its slip slides.
+    fn held(&self, setting: &Setting) -> ModifiedLaw<f64> {
+        let mut law = setting.law;
+        let Ok(balances) = self.study.model.balance(setting, &self.study.training) else { return law };
+        let loads = balances.iter().zip(&self.study.training).map(|(balance, &run)| {
+            // No less than the largest force: the sum of its lines.
+            let largest: f64 = balance.force.iter().map(|line| line.norm()).sum();
+            largest / self.study.model.runs[run].preload
+        });
+        law.set(Hook::MuKinetic, 2.0 * loads.fold(0.0, f64::max));
+        law
     }
 
     /// Whether the balance of every training run closes without a law.
@@ -322,9 +349,8 @@ impl Search<'_> {
 
     /// Whether what a model with a rigid contact leaves beside the noise is no more than its balance may be wrong by.
     fn within_method(&self, model: &Explained) -> bool {
-        let error = self.study.error(&model.fitted, &self.study.training).relative();
-        let share = model.excess() / (1.0 + model.excess());
-        model.fitted.setting.rigid && model.ratio <= BORNE_OUT && error * share.sqrt() <= RIGID_ACCURACY
+        let error = self.study.error(&model.fitted, &self.study.training);
+        model.ratio <= BORNE_OUT && by_method(model, error)
     }
 
     /// Back to the plain grid, where a model on the finer one is not kept.
@@ -379,6 +405,12 @@ impl Search<'_> {
         let complete = shorter.filter(Explained::complete);
         complete.min_by(|a, b| a.criterion.total_cmp(&b.criterion)).unwrap_or(current)
     }
+}
+
+/// Whether an error of a rigid contact holds beside the noise no more than its balance may be wrong by.
+fn by_method(model: &Explained, error: RunError) -> bool {
+    let excess = (error.ratio().powi(2) - 1.0).max(0.0);
+    model.fitted.setting.rigid && error.relative() * (excess / (1.0 + excess)).sqrt() <= RIGID_ACCURACY
 }
 
 /// The least that a model with another effect leaves over the noise.

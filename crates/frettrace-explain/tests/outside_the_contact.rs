@@ -168,6 +168,16 @@ fn coulomb_friction_needs_no_effect_to_be_met() {
     assert!((found / 0.25 - 1.0).abs() < 2e-3, "{found}");
 }
 
+/// A rigid contact with more friction than any level asks for holds all the time: nothing of its law shows but that, and no law
+/// that slides may stand in its place.
+#[test]
+fn a_contact_that_never_slides_lacks_nothing() {
+    let values = [("mu_k", 8.0), ("mu_s", 10.0), ("v_s", 1e-3), ("delta", 2.0), ("sigma2", 0.0)];
+    let outcome = clean(Family::Stribeck, Law::Stribeck, &values);
+    assert_eq!(outcome.verdict, Verdict::NothingMissing, "{:?}", outcome.effects);
+    assert!(outcome.error[0].ratio() < 1.05, "{:?}", outcome.error);
+}
+
 /// A bristle whose range is a thousandth of the slip answers on all lines of the balance.
 #[test]
 fn a_stiff_bristle_is_met() {
@@ -257,6 +267,21 @@ fn an_offset_may_drift() {
     assert_eq!(seen, [("measurement.offset", 2)]);
     let values: Vec<f64> = faults[0].parameters.iter().map(|p| p.2).collect();
     assert!(values[0].abs() < 5e-3 && (values[1] - 0.3).abs() < 1e-2, "{values:?}");
+}
+
+/// An offset that grows over every record, from nothing to 0.3 m/s²: its mean is 0.15. It leaves something at every frequency, and
+/// is neither hum nor a motion without a period. The ramp's standard error is `2 NOISE √(3/n)`, 4e-3 m/s² in each of five runs.
+#[test]
+fn an_offset_may_drift_over_the_record() {
+    let mut rig = rig();
+    rig.sensors[2].chain.offset_drift = 0.3;
+    let (found, faults) = records(&samples(&measured(&rig, &LEVELS)), Some(&[NOISE; 5])).unwrap();
+    let seen: Vec<(&str, usize)> = faults.iter().map(|f: &ChannelFault| (f.id, f.sensor)).collect();
+    assert_eq!(seen, [("measurement.offset", 2)]);
+    assert!(found.iter().all(|r| r.periodic));
+    let value = |name: &str| faults[0].parameters.iter().find(|p| p.0 == name).unwrap().2;
+    assert!((value("drift_over_record") - 0.3).abs() < 5e-3, "{faults:?}");
+    assert!((value("offset") - 0.15).abs() < 5e-3, "{faults:?}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! What is said in the end: verdict, names, place, errors and what a reader must know.
 
-use super::{BORNE_OUT, EVIDENCE, HELD_OUT, HELD_OUT_SHARE, RIGID_ACCURACY, Rival, Search};
+use super::{BORNE_OUT, EVIDENCE, HELD_OUT, HELD_OUT_SHARE, RIGID_ACCURACY, Rival, Search, by_method};
 use crate::effects::{ALL, EffectPlace};
 use crate::search::{Explained, OTHER_FORMULA};
 use crate::study::as_declared;
@@ -139,7 +139,8 @@ impl Search<'_> {
             return true;
         }
         if claimed == 0 {
-            return self.study.error(&model.fitted, held_out).ratio() <= BORNE_OUT;
+            let error = self.study.error(&model.fitted, held_out);
+            return error.ratio() <= BORNE_OUT || self.within_method && by_method(model, error);
         }
         let found = self.study.improvement(&baseline.fitted, &model.fitted, held_out);
         self.notes
