@@ -190,7 +190,7 @@ impl<'a> Study<'a> {
         }
         Ok(Self {
             case: self.case,
-            model: AccelerationModel::new(self.model.rig().clone(), runs)?,
+            model: self.model.with_runs(runs)?,
             training: self.training.clone(),
             held_out: self.held_out.clone(),
             scales: self.scales,

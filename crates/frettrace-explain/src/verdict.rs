@@ -5,9 +5,10 @@ use crate::search::Explained;
 use crate::study::as_declared;
 use crate::{ExplainError, RunError, Study, Unknown};
 use frettrace_forward::accelerations::{Quantity, Setting};
-use frettrace_friction::effects::{Hook, ModifiedLaw};
+use frettrace_friction::effects::ModifiedLaw;
 
 mod asked_again;
+mod baseline;
 mod outcome;
 mod rounds;
 
@@ -111,65 +112,6 @@ impl<'a> Search<'a> {
 }
 
 impl Search<'_> {
-    /// The declared model: the law on the recovered contacts, then the whole.
-    fn baseline(&mut self, mut setting: Setting) -> Result<Explained, ExplainError> {
-        let unknowns = self.study.case.unknowns();
-        let law: Vec<Unknown> = unknowns.iter().filter(|u| is_law(u)).cloned().collect();
-        if self.study.case.loosely_known() || self.study.balance_reduced(&setting).0 > BALANCE_CALIBRATED {
-            // Modes that are known loosely, beside the noise, are calibrated on the balance before any force is recovered.
-            let calibrated = self.study.balance_base(&setting, &[]);
-            if calibrated.reduced.is_finite() {
-                setting = calibrated.setting;
-            }
-        }
-        let recovered = self.study.recovered(&setting)?;
-        if let Some(base) = self.study.contact_base(&recovered, &setting, &law) {
-            setting.law = base.law;
-            self.recovered_law = Some(base.law);
-        }
-        // No law closes a balance that is wide open: a few steps show how far the declared model is.
-        let wide = self.study.balance_reduced(&setting).0 > BALANCE_WIDE;
-        let steps = if wide { 4 } else { 10 };
-        let begun = |law: ModifiedLaw<f64>| {
-            let setting = Setting { law, ..setting.clone() };
-            self.study.whole(setting, &unknowns, (Vec::new(), Vec::new()), steps).ok()
-        };
-        if setting.holds_rigidly() {
-            let slid = begun(setting.law);
-            let complete = slid.as_ref().is_some_and(Explained::complete);
-            let held = if complete { None } else { begun(self.held(&setting)) };
-            let by_criterion = |a: &Explained, b: &Explained| a.criterion.total_cmp(&b.criterion);
-            if let Some(found) = slid.into_iter().chain(held).min_by(by_criterion) {
-                return Ok(found);
-            }
-        }
-        // Where a stiff contact has no steady answer from a cold start, a softer one leads to it.
-        let softer: &[f64] = if setting.holds_rigidly() { &[] } else { &[1.0, 0.2, 0.04, 0.008] };
-        for softer in softer {
-            let mut law = setting.law;
-            law.set(Hook::Sigma0, softer * law.get(Hook::Sigma0).unwrap_or(1.0));
-            if let Some(found) = begun(law) {
-                return Ok(found);
-            }
-        }
-        // A declared model without a steady answer is still a model: it explains nothing.
-        self.study.blank(setting, &unknowns)
-    }
-
-    /// The law with so much friction that no run slides: a rigid contact that held all the time tells nothing of its law but
-    /// that, and a law fitted to the noise of its slip slides.
-    fn held(&self, setting: &Setting) -> ModifiedLaw<f64> {
-        let mut law = setting.law;
-        let Ok(balances) = self.study.model.balance(setting, &self.study.training) else { return law };
-        let loads = balances.iter().zip(&self.study.training).map(|(balance, &run)| {
-            // No less than the largest force: the sum of its lines.
-            let largest: f64 = balance.force.iter().map(|line| line.norm()).sum();
-            largest / self.study.model.runs[run].preload
-        });
-        law.set(Hook::MuKinetic, 2.0 * loads.fold(0.0, f64::max));
-        law
-    }
-
     /// Whether the balance of every training run closes without a law.
     fn closed(&self, setting: &Setting) -> bool {
         let (reduced, worst) = self.study.balance_reduced(setting);

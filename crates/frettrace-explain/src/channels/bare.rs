@@ -1,6 +1,6 @@
 //! Runs with the lines of the motion taken out.
 
-use super::Channels;
+use super::{Channels, mean_square};
 use crate::RunSamples;
 use frettrace_fourier::{Lines, Projector, refine};
 use std::f64::consts::TAU;
@@ -30,25 +30,22 @@ pub(super) fn bare<'a>(
     let mut out = Vec::with_capacity(runs.len());
     for (run, signals) in runs.iter().zip(&channels.signal) {
         let samples = run.force.len();
-        let lines = |base: f64, order: usize, drift: usize| Lines {
-            base,
-            order,
+        let coarse = Lines {
+            base: TAU * run.excitation_frequency,
+            order: 3,
             samples,
             sampling_rate: run.sampling_rate,
-            drift,
+            drift: 0,
         };
-        let base = refine(lines(TAU * run.excitation_frequency, 3, 0), &[run.force]).ok()?.base;
+        let base = refine(coarse, &[run.force]).ok()?.base;
         let highest = (0.8 * std::f64::consts::PI * run.sampling_rate / base) as usize;
         let order = highest.min(LINES).min(samples / 4).max(1);
-        let projector = Projector::new(lines(base, order, drift)).ok()?;
+        let projector = Projector::new(Lines { base, order, drift, ..coarse }).ok()?;
         let projected = signals.iter().map(|x| projector.project(x)).collect::<Result<Vec<_>, _>>().ok()?;
         let variance = projected
             .iter()
             .enumerate()
-            .map(|(s, p)| {
-                let mean_square = || p.residual.iter().map(|v| v * v).sum::<f64>() / p.residual.len() as f64;
-                noise.map_or_else(mean_square, |n| n[s] * n[s])
-            })
+            .map(|(s, p)| noise.map_or_else(|| mean_square(p.residual.iter().copied()), |n| n[s] * n[s]))
             .collect();
         let (residual, drift) = projected.into_iter().map(|p| (p.residual, p.drift)).unzip();
         out.push(Bare { run, projector, residual, variance, drift });

@@ -21,15 +21,15 @@ pub(super) fn find(
     let sensors = bare.first().map_or(0, |b| b.drift.len());
     let mut found: Vec<ChannelFault> = Vec::new();
     for sensor in 0..sensors {
-        let (mut gain, mut power, mut ramp) = (0.0, 0.0, 0.0);
+        let (mut gain, mut loudness, mut ramp) = (0.0, 0.0, 0.0);
         for one in &bare {
-            let square = mean_square(&one.drift[sensor]);
+            let square = power(&one.drift[sensor]);
             gain += square * one.run.force.len() as f64 / one.variance[sensor];
-            power += square / one.variance[sensor];
+            loudness += square / one.variance[sensor];
             ramp += 2.0 * one.drift[sensor].first().copied().unwrap_or_default();
         }
         let count = bare.len() as f64;
-        if gain > HEARD_IN_A_RUN * count && power > HEARD * HEARD * count {
+        if gain > HEARD_IN_A_RUN * count && loudness > HEARD * HEARD * count {
             let mean = ramp / count;
             let parameter = ("drift_over_record".into(), "m/s^2".into(), mean, mean.abs() * gain.powf(-0.5));
             found.push(ChannelFault {
@@ -53,6 +53,6 @@ pub(super) fn find(
 }
 
 /// Mean square of a drift over the record.
-fn mean_square(coefficients: &[f64]) -> f64 {
+fn power(coefficients: &[f64]) -> f64 {
     coefficients.iter().zip(1..).map(|(c, k)| c * c / f64::from(2 * k + 1)).sum()
 }

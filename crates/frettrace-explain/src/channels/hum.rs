@@ -32,14 +32,14 @@ pub(super) fn find(
     channels: &mut Channels,
 ) -> Vec<ChannelFault> {
     let mut faults: Vec<ChannelFault> = Vec::new();
+    let claim = HEARD_IN_A_RUN * runs.len() as f64;
     for _ in 0..MOST {
         let Some(bare) = bare(runs, noise, channels, 0) else { break };
         let mut best: Option<Tone> = None;
         for multiple in 1..=HARMONICS {
             for frequency in MAINS.map(|f| f * multiple as f64) {
                 let tones = tones(&bare, frequency);
-                let heard =
-                    tones.iter().filter(|tone| tone.gain > HEARD_IN_A_RUN * runs.len() as f64).count();
+                let heard = tones.iter().filter(|tone| tone.gain > claim).count();
                 if 2 * heard > tones.len() && runs.iter().any(|run| subharmonic(run, frequency)) {
                     continue;
                 }
@@ -50,10 +50,7 @@ pub(super) fn find(
                 }
             }
         }
-        let Some(tone) = best.filter(|t| t.gain > HEARD_IN_A_RUN * runs.len() as f64 && steady(&t.amplitude))
-        else {
-            break;
-        };
+        let Some(tone) = best.filter(|t| t.gain > claim && steady(&t.amplitude)) else { break };
         let size = |a: &[f64; 2]| a[0].hypot(a[1]);
         let amplitude = tone.amplitude.iter().map(size).sum::<f64>() / tone.amplitude.len() as f64;
         let noise: f64 = bare.iter().map(|b| b.variance[tone.sensor].sqrt()).sum::<f64>() / bare.len() as f64;

@@ -82,10 +82,17 @@ impl AccelerationModel {
     /// # Errors
     /// [`AccelerationError::Grid`] where a phase grid would alias, [`AccelerationError::Beam`] where the beam cannot be modelled.
     pub fn new(rig: Rig, runs: Vec<RunLines>) -> Result<Self, AccelerationError> {
-        let grids =
-            runs.iter().map(|r| Grid::new(r.contact_order, r.samples)).collect::<Result<Vec<_>, _>>()?;
         let declared = rig.declared(&rig.boundary)?;
-        Ok(Self { rig, declared, runs, grids, tolerance: 0.02 })
+        Ok(Self { rig, declared, grids: grids(&runs)?, runs, tolerance: 0.02 })
+    }
+
+    /// The same rig, held to the same tolerance, with other runs; its beam is not solved again.
+    ///
+    /// # Errors
+    /// [`AccelerationError::Grid`] where a phase grid would alias.
+    pub fn with_runs(&self, runs: Vec<RunLines>) -> Result<Self, AccelerationError> {
+        let (rig, declared) = (self.rig.clone(), self.declared.clone());
+        Ok(Self { rig, declared, grids: grids(&runs)?, runs, tolerance: self.tolerance })
     }
 
     /// The declared rig.
@@ -303,6 +310,10 @@ pub struct ContactHistory {
     pub normal: Vec<f64>,
     /// Friction force (N).
     pub force: Vec<f64>,
+}
+
+fn grids(runs: &[RunLines]) -> Result<Vec<Grid>, GridError> {
+    runs.iter().map(|r| Grid::new(r.contact_order, r.samples)).collect()
 }
 
 fn not_balanced(run: usize, left: f64) -> AccelerationError {

@@ -5,7 +5,7 @@ use super::problem::{self, Problem};
 use super::support::{self, Support};
 use crate::StudyError;
 use frettrace_explain::{ExplainError, Fitted, Study, Unknown, positive};
-use frettrace_forward::accelerations::{AccelerationModel, Quantity, RunLines, Setting};
+use frettrace_forward::accelerations::{Quantity, RunLines, Setting};
 use frettrace_friction::effects::Hook;
 use frettrace_identify::contact::Family;
 use frettrace_identify::{FitSettings, Model, Parameter, Transform, starts};
@@ -162,9 +162,7 @@ fn coarsen(study: &mut Study<'_>) -> Result<bool, StudyError> {
         run.samples = (8 * run.contact_order).next_power_of_two();
     }
     if is_coarse {
-        let tolerance = study.model.tolerance;
-        study.model = AccelerationModel::new(study.model.rig().clone(), runs).map_err(ExplainError::from)?;
-        study.model.tolerance = tolerance;
+        study.model = study.model.with_runs(runs).map_err(ExplainError::from)?;
     }
     Ok(is_coarse)
 }
@@ -174,9 +172,7 @@ fn refine(study: &mut Study<'_>, mut fine: Vec<RunLines>) -> Result<(), StudyErr
     for (run, coarse) in fine.iter_mut().zip(&study.model.runs) {
         run.known_force.iter_mut().zip(&coarse.known_force).for_each(|(to, from)| *to = *from);
     }
-    let tolerance = study.model.tolerance;
-    study.model = AccelerationModel::new(study.model.rig().clone(), fine).map_err(ExplainError::from)?;
-    study.model.tolerance = tolerance;
+    study.model = study.model.with_runs(fine).map_err(ExplainError::from)?;
     Ok(())
 }
 

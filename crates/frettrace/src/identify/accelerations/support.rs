@@ -114,10 +114,8 @@ impl Support {
             return Ok(None);
         }
         let factor = |run: &usize| {
-            let lines = study.model.runs.clone();
-            let model = AccelerationModel::new(study.model.rig().clone(), lines)?;
-            derivative(model, study.model.tolerance, (&fitted.setting, *run, fitted.memory.clone()))
-                .map(nalgebra::Matrix::qr)
+            let model = study.model.with_runs(study.model.runs.clone())?;
+            derivative(model, (&fitted.setting, *run, fitted.memory.clone())).map(nalgebra::Matrix::qr)
         };
         let factors = study.training.par_iter().map(factor).collect::<Result<Vec<_>, ExplainError>>()?;
         Ok(Some(Self { factors }))
@@ -166,10 +164,8 @@ impl Support {
 /// Derivative of the whitened prediction of a run by real and imaginary parts of the lines of the support force.
 fn derivative(
     mut model: AccelerationModel,
-    tolerance: f64,
     (setting, run, mut memory): (&Setting, usize, Memory),
 ) -> Result<DMatrix<f64>, ExplainError> {
-    model.tolerance = tolerance;
     let plain = model.predict(setting, &[run], &mut memory)?;
     let lines = &model.runs[run];
     let deviation = lines.deviation.clone();
