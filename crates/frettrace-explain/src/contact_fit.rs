@@ -149,7 +149,8 @@ impl Recovered {
             let lines = self.lines(samples);
             (1..self.force.len()).map(|h| lines[h] / self.deviation[h]).collect()
         };
-        columns((law, hooks), jacobian, |law| self.slopes(law, modulation, state), whitened);
+        let lanes = LANES - law.states();
+        columns((law, hooks), (jacobian, lanes), |law| self.slopes(law, modulation, state), whitened);
     }
 
     /// Recovered less answered force over the deviations.

@@ -4,9 +4,9 @@
 //! the recovered force in the bins the sensors know. The record is tapered, so that the unknown state at its start, a
 //! tenth of it, does not matter.
 
-use crate::contact_fit::columns;
+use crate::contact_fit::{LANES, columns};
 use frettrace_fourier::tapered_spectrum;
-use frettrace_friction::effects::{Circumstance, Hook, ModifiedLaw};
+use frettrace_friction::effects::{Circumstance, Hook, ModifiedLaw, Reached};
 use frettrace_friction::{Scalar, Step};
 use nalgebra::DMatrixViewMut;
 use num_complex::Complex64;
@@ -59,6 +59,7 @@ impl Series {
         trial: Option<&[f64]>,
     ) -> Vec<T> {
         let mut state = law.rest_at(T::from(self.slip.first().copied().unwrap_or_default()));
+        let mut reached = Reached::default();
         let mut force = vec![T::from(0.0); self.slip.len()];
         for (k, force) in force.iter_mut().enumerate().skip(1) {
             let ends = |series: &[f64]| [T::from(series[k - 1]), T::from(series[k])];
@@ -70,7 +71,7 @@ impl Series {
             };
             let (next, answered) = match trial {
                 Some(trial) => law.advance_rigid(state, &step, (T::from(trial[k]), circumstance)),
-                None => law.advance(state, &step, circumstance),
+                None => law.advance_on(state, &step, (circumstance, &mut reached)),
             };
             state = next;
             *force = answered;
@@ -148,7 +149,7 @@ impl SeriesContact {
             let bins = Series::amplitudes(samples);
             self.bins.iter().map(|(k, deviation)| bins[*k] / *deviation).collect()
         };
-        columns((law, hooks), jacobian, |law| self.answer(law), whitened);
+        columns((law, hooks), (jacobian, LANES), |law| self.answer(law), whitened);
     }
 
     /// χ² of a law.

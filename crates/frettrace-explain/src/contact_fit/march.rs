@@ -1,26 +1,31 @@
 //! A law along a recovered period: its settled force, and the derivatives of that by values of the law.
 
 use super::Recovered;
-use frettrace_friction::effects::{Circumstance, Hook, ModifiedLaw, ModifiedState};
-use frettrace_friction::{Gradient, Scalar, Step};
+use frettrace_friction::effects::{Hook, ModifiedLaw, ModifiedState, Monodromy, Periodic, Reached, STATES};
+use frettrace_friction::{Gradient, Step};
 use nalgebra::DMatrixViewMut;
 use num_complex::Complex64;
 
 /// Directions differentiated at once: a cache line of slopes.
 pub(crate) const LANES: usize = 8;
-/// Periods after which a state counts as settled.
-const PERIODS: usize = 6;
-/// Relative change over a period below which the state is settled …
-const SETTLED: f64 = 1e-7;
-/// … with a deflection (in units of the friction coefficient) that is none, …
-const NONE: f64 = 1e-9;
-/// … and the relative change below which its derivatives are: they guide a step, they do not judge it.
-const SLOPES_SETTLED: f64 = 1e-4;
 
 impl Recovered {
     /// Force of the law over the settled period.
     pub fn answer(&self, law: &ModifiedLaw<f64>, modulation: usize) -> Vec<f64> {
         self.settled(law, modulation).1
+    }
+
+    fn along(&self, modulation: usize) -> Periodic<'_> {
+        Periodic {
+            slip: &self.slip,
+            velocity: &self.velocity,
+            normal: &self.normal,
+            trial: &self.trial,
+            dt: self.dt,
+            preload: self.preload,
+            progress: self.progress,
+            modulation,
+        }
     }
 
     /// State at the start of the settled period, and the force over it.
@@ -29,106 +34,71 @@ impl Recovered {
         law: &ModifiedLaw<f64>,
         modulation: usize,
     ) -> (ModifiedState<f64>, Vec<f64>) {
-        let virgin = Step {
-            slip: [0.0, self.slip[0]],
-            velocity: [self.velocity[0]; 2],
-            normal: [self.normal[0]; 2],
-            dt: self.dt,
-        };
-        let modulation = modulated(law, modulation);
         let mut force = vec![0.0; self.slip.len()];
-        let (mut state, _) = law.advance(law.rest_at(0.0), &virgin, &self.circumstance(0, modulation));
-        for _ in 0..PERIODS {
-            let before = state;
-            state = self.period(law, modulation, before, &mut force);
-            let closed = |(now, then): (&f64, &f64)| (now - then).abs() <= SETTLED * (NONE + then.abs());
-            if state.0.iter().zip(&before.0).all(closed) {
-                break;
-            }
-        }
+        let state = law.settle(&self.along(modulation), &mut force);
         (state, force)
     }
 
-    /// Force over the settled period that begins in `state`, with its derivatives by what varies in the law.
+    /// Derivatives of the force over the settled period that begins in `state`, by what varies in the law in its first
+    /// directions; the last ones, [`ModifiedLaw::states`] of them, are free.
+    ///
+    /// With the period's map `s ↦ P(s, p)` the settled state moves by `(I − ∂P/∂s)⁻¹ ∂P/∂p`: one period with the initial state in
+    /// the free directions gives all of it.
     pub(super) fn slopes(
         &self,
         law: &ModifiedLaw<Gradient<LANES>>,
         modulation: usize,
         state: ModifiedState<f64>,
     ) -> Vec<Gradient<LANES>> {
-        let modulation = modulated(law, modulation);
-        let mut state = ModifiedState(state.0.map(Gradient::constant));
+        let along = self.along(modulation);
+        let rigid = along.is_rigid(law);
+        let used = law.states();
+        let free = LANES - used;
+        let mut reached = Reached::default();
+        let mut state = ModifiedState(std::array::from_fn(|i| {
+            if i < used { Gradient::variable(state.0[i], free + i) } else { Gradient::constant(state.0[i]) }
+        }));
         let mut force = vec![Gradient::constant(0.0); self.slip.len()];
-        for _ in 0..PERIODS {
-            let before = state;
-            state = self.period(law, modulation, before, &mut force);
-            let closed = |(now, then): (&Gradient<LANES>, &Gradient<LANES>)| {
-                now.slopes.iter().zip(then.slopes).all(|(a, b)| (a - b).abs() <= SLOPES_SETTLED * a.abs())
+        for k in 0..self.slip.len() {
+            let (step, next) = (along.step(k), along.next(k));
+            let ends = |pair: [f64; 2]| pair.map(Gradient::constant);
+            let step = Step {
+                slip: ends(step.slip),
+                velocity: ends(step.velocity),
+                normal: ends(step.normal),
+                dt: step.dt,
             };
-            if state.0.iter().zip(&before.0).all(closed) {
-                break;
-            }
+            let circumstance = along.circumstance(law, k);
+            (state, force[next]) = if rigid {
+                law.advance_rigid(state, &step, (Gradient::constant(self.trial[next]), &circumstance))
+            } else {
+                law.advance_on(state, &step, (&circumstance, &mut reached))
+            };
+        }
+        let period = Monodromy::new(used, |i, j| state.0[i].slopes[free + j]);
+        let moved: [[f64; STATES]; LANES] = std::array::from_fn(|lane| {
+            period.settle(std::array::from_fn(|i| if i < used { state.0[i].slopes[lane] } else { 0.0 }))
+        });
+        for force in &mut force {
+            let own = force.slopes;
+            let by_state = &own[free..];
+            let through = |lane: usize| by_state.iter().zip(moved[lane]).map(|(a, b)| a * b).sum::<f64>();
+            force.slopes =
+                std::array::from_fn(|lane| if lane < free { own[lane] + through(lane) } else { 0.0 });
         }
         force
     }
-
-    /// One period from a state; the state after it.
-    fn period<T: Scalar>(
-        &self,
-        law: &ModifiedLaw<T>,
-        modulation: Option<usize>,
-        mut state: ModifiedState<T>,
-        force: &mut [T],
-    ) -> ModifiedState<T> {
-        let rigid = !self.trial.is_empty() && !law.yields();
-        let samples = self.slip.len();
-        for k in 0..samples {
-            let next = if k + 1 == samples { 0 } else { k + 1 };
-            let ends = |series: &[f64]| [T::from(series[k]), T::from(series[next])];
-            let step = Step {
-                slip: ends(&self.slip),
-                velocity: ends(&self.velocity),
-                normal: ends(&self.normal),
-                dt: self.dt,
-            };
-            let circumstance = self.circumstance(k, modulation);
-            (state, force[next]) = if rigid {
-                law.advance_rigid(state, &step, (T::from(self.trial[next]), &circumstance))
-            } else {
-                law.advance(state, &step, &circumstance)
-            };
-        }
-        state
-    }
-
-    fn circumstance(&self, k: usize, modulation: Option<usize>) -> Circumstance {
-        let samples = self.slip.len();
-        let phase = |k: usize, order: usize| {
-            let angle = std::f64::consts::TAU * ((order * k) % samples) as f64 / samples as f64;
-            [angle.cos(), angle.sin()]
-        };
-        Circumstance {
-            preload: self.preload,
-            progress: self.progress,
-            phase: modulation.map_or([[1.0, 0.0]; 2], |m| [phase(k, m), phase(k + 1, m)]),
-        }
-    }
 }
 
-/// The line that modulates the preload, where the law has one.
-fn modulated<T: Scalar>(law: &ModifiedLaw<T>, modulation: usize) -> Option<usize> {
-    law.get(Hook::ModulationCosine).map(|_| modulation)
-}
-
-/// Writes the derivatives of minus the whitened force by the hooks of a law, each with its column: `answer` is the force of the law,
-/// `whitened` turns its samples, linearly, into what is compared.
+/// Writes the derivatives of minus the whitened force by the hooks of a law, each with its column: `answer` is the force of the law
+/// with derivatives in the first `lanes` directions, `whitened` turns its samples, linearly, into what is compared.
 pub(crate) fn columns(
     (law, hooks): (&ModifiedLaw<f64>, &[(usize, Hook)]),
-    mut out: DMatrixViewMut<'_, f64>,
+    (mut out, lanes): (DMatrixViewMut<'_, f64>, usize),
     answer: impl Fn(&ModifiedLaw<Gradient<LANES>>) -> Vec<Gradient<LANES>>,
     whitened: impl Fn(&[f64]) -> Vec<Complex64>,
 ) {
-    for block in hooks.chunks(LANES) {
+    for block in hooks.chunks(lanes) {
         let seeded = law.lift(|hook, value| match block.iter().position(|(_, free)| *free == hook) {
             Some(lane) => Gradient::variable(value, lane),
             None => Gradient::constant(value),

@@ -1,7 +1,7 @@
 //! Derivatives of one run's prediction by the implicit function theorem, and what sensors make of it.
 
 use super::linear::{Direction, Tangent};
-use super::model::{AccelerationModel, Linearised, Prediction};
+use super::model::{Linearised, Prediction};
 use super::run::{Evaluation, coefficient};
 use super::setting::{Quantity, Setting};
 use super::solve::{Factor, RunMemory};
@@ -9,36 +9,6 @@ use super::structure::{Layout, Structure};
 use frettrace_friction::effects::Hook;
 use num_complex::Complex64;
 use std::sync::Arc;
-
-impl AccelerationModel {
-    pub(super) fn differentiate(&self, what: &Differentiation<'_>, kept: &mut RunMemory) -> Linearised {
-        let evaluation = what.evaluation;
-        let mut scratch = evaluation.grid.scratch();
-        let hooks: Vec<Hook> = what
-            .quantities
-            .iter()
-            .filter_map(|q| if let Quantity::Law(hook) = q { Some(*hook) } else { None })
-            .collect();
-        let state = evaluation.evaluate(&kept.unknowns, &mut scratch);
-        let tangent = Tangent::new(evaluation, &state, &hooks);
-        let factor = kept.current().unwrap_or_else(|| {
-            let factor: Factor = Arc::new(tangent.jacobian(&mut scratch).partial_piv_lu());
-            kept.factor = Some((factor.clone(), Arc::new(kept.unknowns.clone())));
-            factor
-        });
-        let plain = evaluation.accelerations(&kept.unknowns);
-        let columns = what
-            .quantities
-            .iter()
-            .enumerate()
-            .map(|(index, &quantity)| {
-                what.column(self, (index, quantity), &hooks, (&tangent, &factor, kept, &plain), &mut scratch)
-            })
-            .collect();
-        let setting = evaluation.setting;
-        Linearised { prediction: distort(plain, setting, evaluation.lines.omega), columns }
-    }
-}
 
 pub(super) struct Differentiation<'a> {
     pub evaluation: &'a Evaluation<'a>,
@@ -51,10 +21,38 @@ pub(super) struct Differentiation<'a> {
 type Solved<'a> = (&'a Tangent<'a>, &'a Factor, &'a RunMemory, &'a Prediction);
 
 impl Differentiation<'_> {
+    /// The prediction of the run and its derivatives by every quantity.
+    pub fn at(&self, kept: &mut RunMemory) -> Linearised {
+        let evaluation = self.evaluation;
+        let mut scratch = evaluation.grid.scratch();
+        let hooks: Vec<Hook> = self
+            .quantities
+            .iter()
+            .filter_map(|q| if let Quantity::Law(hook) = q { Some(*hook) } else { None })
+            .collect();
+        let state = evaluation.evaluate(&kept.unknowns, &mut scratch);
+        let tangent = Tangent::new(evaluation, &state, &hooks);
+        let factor = kept.current().unwrap_or_else(|| {
+            let factor: Factor = Arc::new(tangent.jacobian(&mut scratch).partial_piv_lu());
+            kept.factor = Some((factor.clone(), Arc::new(kept.unknowns.clone())));
+            factor
+        });
+        let plain = evaluation.accelerations(&kept.unknowns);
+        let columns = self
+            .quantities
+            .iter()
+            .enumerate()
+            .map(|(index, &quantity)| {
+                self.column((index, quantity), &hooks, (&tangent, &factor, kept, &plain), &mut scratch)
+            })
+            .collect();
+        let setting = evaluation.setting;
+        Linearised { prediction: distort(plain, setting, evaluation.lines.omega), columns }
+    }
+
     /// Derivative of the prediction by one quantity.
     fn column(
         &self,
-        model: &AccelerationModel,
         (index, quantity): (usize, Quantity),
         hooks: &[Hook],
         (tangent, factor, kept, plain): Solved<'_>,
@@ -75,11 +73,10 @@ impl Differentiation<'_> {
                 None => return sensor_column(quantity, e, plain),
             },
         };
-        let answer = tangent.answer(&direction, scratch);
+        let [answer] = tangent.answer(&direction, scratch);
         let right = faer::Col::from_fn(answer.len(), |i| answer[i]);
         let forces = faer::linalg::solvers::Solve::solve(factor.as_ref(), &right);
         let forces: Vec<f64> = (0..forces.nrows()).map(|i| forces[i]).collect();
-        let _ = model;
         let rows = e.layout.rows();
         let change = (0..e.layout.sensors)
             .map(|s| {

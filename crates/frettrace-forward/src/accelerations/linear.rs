@@ -1,23 +1,23 @@
 //! Linearisation of one run: what the laws answer to a change of forces, motions or parameters.
 
 use super::contact::{Local, PARAMETERS};
-use super::response::Response;
+use super::response::{Moves, Response};
 use super::run::{Evaluation, LEAK, State, store, velocity};
 use super::setting::PortPlace;
 use frettrace_fourier::GridScratch;
 use frettrace_friction::effects::Hook;
 use num_complex::Complex64;
 
-/// One direction: motions of slip, normal force and ports on the grid, and the law parameter that changes.
+/// `L` directions side by side: motions of slip, normal force and ports on the grid, and the law parameter that changes.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Direction {
-    pub slip: Vec<f64>,
-    pub velocity: Vec<f64>,
+pub(super) struct Direction<const L: usize> {
+    pub slip: Vec<[f64; L]>,
+    pub velocity: Vec<[f64; L]>,
     /// Change of the force that a rigid contact takes as long as it holds.
-    pub trial: Vec<f64>,
+    pub trial: Vec<[f64; L]>,
     /// Change of the support's force from the motion of the end.
-    pub support: Vec<f64>,
-    pub ports: Vec<[Vec<f64>; 2]>,
+    pub support: Vec<[f64; L]>,
+    pub ports: Vec<[Vec<[f64; L]>; 2]>,
     /// Index of the hook among those differentiated.
     pub hook: Option<usize>,
     /// Port and coefficient that change.
@@ -44,26 +44,21 @@ impl<'a> Tangent<'a> {
                 d.iter().zip(v).map(|(d, v)| port.law.force(&port.coefficients, *d, *v)).collect()
             })
             .collect();
-        let used = if law.get(Hook::ForceLag).is_some() {
-            4
-        } else if law.get(Hook::Backlash).is_some() {
-            3
-        } else if law.remembers() {
-            2
-        } else {
-            1
-        };
-        let response = Response::new(&locals, used);
+        let response = Response::new(&locals, law.states());
         Self { evaluation, locals, ports, response }
     }
 
     /// The direction of given lines of motion in every row.
-    pub fn direction(&self, row: impl Fn(usize) -> Vec<Complex64>, scratch: &mut GridScratch) -> Direction {
+    pub fn direction(
+        &self,
+        row: impl Fn(usize) -> Vec<Complex64>,
+        scratch: &mut GridScratch,
+    ) -> Direction<1> {
         let e = self.evaluation;
         let mut sampled = |lines: &[Complex64]| {
             let mut samples = vec![0.0; e.grid.samples()];
             e.grid.evaluate(lines, &mut samples, scratch);
-            samples
+            samples.into_iter().map(|x| [x]).collect::<Vec<_>>()
         };
         let mut slip = row(0);
         if let Some(mean) = slip.first_mut() {
@@ -74,11 +69,11 @@ impl<'a> Tangent<'a> {
             Direction { slip: sampled(&slip), velocity: sampled(&speed), ..Direction::default() };
         if e.rigid() {
             let resistance = e.resistance();
-            direction.trial = direction.velocity.iter().map(|v| v * resistance).collect();
+            direction.trial = direction.velocity.iter().map(|[v]| [v * resistance]).collect();
         }
         if e.support_stiffness > 0.0 && e.rotation {
             direction.support = sampled(&row(1));
-            direction.support.iter_mut().for_each(|w| *w *= e.support_stiffness);
+            direction.support.iter_mut().for_each(|[w]| *w *= e.support_stiffness);
         }
         for p in 0..e.layout.ports {
             let lines = row(e.layout.port_row(p));
@@ -88,62 +83,68 @@ impl<'a> Tangent<'a> {
         direction
     }
 
-    /// Force harmonics (all ports) that answer to a direction.
-    pub fn answer(&self, direction: &Direction, scratch: &mut GridScratch) -> Vec<f64> {
+    /// Force harmonics (all ports) that answer to each of the directions.
+    pub fn answer<const L: usize>(
+        &self,
+        direction: &Direction<L>,
+        scratch: &mut GridScratch,
+    ) -> [Vec<f64>; L] {
         let e = self.evaluation;
         let width = 2 * e.order() + 1;
-        let mut out = vec![0.0; e.width()];
+        let mut out: [Vec<f64>; L] = std::array::from_fn(|_| vec![0.0; e.width()]);
         let mut lines = vec![Complex64::ZERO; e.order() + 1];
-        let mut normal = vec![0.0; e.grid.samples()];
-        if !direction.support.is_empty() {
-            normal.iter_mut().zip(&direction.support).for_each(|(n, s)| *n = -s);
-        }
+        let mut samples = vec![0.0; e.grid.samples()];
+        let mut project = |force: &[[f64; L]], port: usize| {
+            for (lane, out) in out.iter_mut().enumerate() {
+                samples.iter_mut().zip(force).for_each(|(x, force)| *x = force[lane]);
+                e.grid.project(&samples, &mut lines, scratch);
+                store(&lines, &mut out[port * width..(port + 1) * width]);
+            }
+        };
+        let mut normal: Vec<[f64; L]> = direction.support.iter().map(|s| s.map(|s| -s)).collect();
         for p in 0..e.layout.ports {
             let force = self.port_answer(p, direction);
             if e.setting.ports[p].place == PortPlace::Support {
-                normal.iter_mut().zip(&force).for_each(|(n, f)| *n -= f);
+                normal.resize(e.grid.samples(), [0.0; L]);
+                for (normal, force) in normal.iter_mut().zip(&force) {
+                    normal.iter_mut().zip(force).for_each(|(n, f)| *n -= f);
+                }
             }
-            e.grid.project(&force, &mut lines, scratch);
-            store(&lines, &mut out[(1 + p) * width..(2 + p) * width]);
+            project(&force, 1 + p);
         }
-        let force = self.friction_answer(direction, &normal);
-        e.grid.project(&force, &mut lines, scratch);
-        store(&lines, &mut out[..width]);
+        project(&self.friction_answer(direction, &normal), 0);
         out
     }
 
-    fn port_answer(&self, port: usize, direction: &Direction) -> Vec<f64> {
+    fn port_answer<const L: usize>(&self, port: usize, direction: &Direction<L>) -> Vec<[f64; L]> {
         let moved = direction.ports.get(port);
         let changed = direction.coefficient.filter(|(p, _)| *p == port);
         self.ports[port]
             .iter()
             .enumerate()
             .map(|(k, local)| {
-                let by_motion = moved.map_or(0.0, |[d, v]| local.stiffness * d[k] + local.damping * v[k]);
-                by_motion + changed.map_or(0.0, |(_, c)| local.coefficients[c])
+                let fixed = changed.map_or(0.0, |(_, c)| local.coefficients[c]);
+                std::array::from_fn(|lane| {
+                    let by_motion =
+                        moved.map_or(0.0, |[d, v]| local.stiffness * d[k][lane] + local.damping * v[k][lane]);
+                    by_motion + fixed
+                })
             })
             .collect()
     }
 
-    /// Friction force that answers to a direction, with the state's own period closed.
-    fn friction_answer(&self, direction: &Direction, normal: &[f64]) -> Vec<f64> {
-        let samples = self.locals.len();
-        let moves = !direction.slip.is_empty();
-        let still = vec![0.0; if moves { 0 } else { samples }];
-        let (slip, speed) = if moves { (&direction.slip, &direction.velocity) } else { (&still, &still) };
+    /// Friction force that answers to each of the directions, with the state's own period closed.
+    fn friction_answer<const L: usize>(
+        &self,
+        direction: &Direction<L>,
+        normal: &[[f64; L]],
+    ) -> Vec<[f64; L]> {
         let hook = direction.hook.filter(|h| *h < PARAMETERS).map(|h| Local::PARAMETER + h);
-        self.response.answer(
-            |k, next| {
-                let trial = direction.trial.get(next).copied().unwrap_or_default();
-                [slip[k], slip[next], speed[k], speed[next], normal[k], normal[next], trial]
-            },
-            |k| {
-                let (local, hook) = (&self.locals[k], hook?);
-                Some(std::array::from_fn(
-                    |i| if i == 0 { local.force[hook] } else { local.state[i - 1][hook] },
-                ))
-            },
-        )
+        let Direction { slip, velocity, trial, .. } = direction;
+        self.response.answer(&Moves { slip, velocity, normal, trial }, |k| {
+            let (local, hook) = (&self.locals[k], hook?);
+            Some(std::array::from_fn(|i| if i == 0 { local.force[hook] } else { local.state[i - 1][hook] }))
+        })
     }
 
     /// Change of the residual `f − Φ(f)` per unknown, column by column.
@@ -152,33 +153,50 @@ impl<'a> Tangent<'a> {
     /// the plain iteration contracts by itself. A stiff contact answers on all its lines.
     pub fn jacobian(&self, scratch: &mut GridScratch) -> faer::Mat<f64> {
         let e = self.evaluation;
-        let width = e.width();
         let per_port = 2 * e.order() + 1;
-        let mut jacobian = faer::Mat::<f64>::identity(width, width);
+        let mut jacobian = faer::Mat::<f64>::identity(e.width(), e.width());
         let tables = Tables::new(e.grid.samples());
-        let mut direction = Direction::default();
         let slopes = self.slopes();
         let resistance = e.rigid().then(|| e.resistance());
-        for column in 0..width {
-            let (port, place) = (column / per_port, column % per_port);
-            let line = place.div_ceil(2);
-            let always = resistance.is_some() || line <= FULL_LINES * e.subharmonic();
-            if !always && self.strength(&slopes, (port, line)) < COUPLED {
-                continue;
+        let coupled: Vec<(usize, usize)> = (0..=e.layout.ports)
+            .flat_map(|port| (0..=e.order()).map(move |line| (port, line)))
+            .filter(|&place| {
+                let always = resistance.is_some() || place.1 <= FULL_LINES * e.subharmonic();
+                always || self.strength(&slopes, place) >= COUPLED
+            })
+            .collect();
+        let mut direction = self.still();
+        for group in coupled.chunks(LANES / 2) {
+            for (pair, &place) in group.iter().enumerate() {
+                self.single_line(&mut direction, (&tables, 2 * pair), place, resistance);
             }
-            let unit = if place % 2 == 1 || place == 0 { Complex64::ONE } else { Complex64::I };
-            self.single_line(&mut direction, &tables, line, |row| -e.block.at(line, row, 1 + port) * unit);
-            if let Some(resistance) = resistance {
-                let own = if port == 0 { unit } else { Complex64::ZERO };
-                tables.wave(line, if line == 0 { own * (1.0 - LEAK) } else { own }, &mut direction.trial);
-                let pairs = direction.trial.iter_mut().zip(&direction.velocity);
-                pairs.for_each(|(trial, v)| *trial += resistance * v);
-            }
-            for (row, value) in self.answer(&direction, scratch).into_iter().enumerate() {
-                jacobian[(row, column)] -= value;
+            let answers = self.answer(&direction, scratch);
+            for (&(port, line), answers) in group.iter().zip(answers.chunks(2)) {
+                let first = port * per_port + (2 * line).saturating_sub(1);
+                let columns = if line == 0 { 1 } else { 2 };
+                for (column, answer) in (first..first + columns).zip(answers) {
+                    for (row, value) in answer.iter().enumerate() {
+                        jacobian[(row, column)] -= value;
+                    }
+                }
             }
         }
         jacobian
+    }
+
+    /// Directions in which nothing moves yet.
+    fn still(&self) -> Direction<LANES> {
+        let e = self.evaluation;
+        let none = || vec![[0.0; LANES]; e.grid.samples()];
+        let if_any = |any: bool| if any { none() } else { Vec::new() };
+        Direction {
+            slip: none(),
+            velocity: none(),
+            trial: if_any(e.rigid()),
+            support: if_any(e.support_stiffness > 0.0 && e.rotation),
+            ports: (0..e.layout.ports).map(|_| [none(), none()]).collect(),
+            ..Direction::default()
+        }
     }
 
     /// Mean stiffness and damping of every port over the period, friction first.
@@ -213,30 +231,40 @@ impl<'a> Tangent<'a> {
         answered.fold(0.0, f64::max)
     }
 
-    /// A direction in which every row moves on one line only.
+    /// Two directions, from `lane` on: what moves where real and imaginary part of a port's force on a line alone change.
     fn single_line(
         &self,
-        direction: &mut Direction,
-        tables: &Tables,
-        line: usize,
-        row: impl Fn(usize) -> Complex64,
+        direction: &mut Direction<LANES>,
+        (tables, lane): (&Tables, usize),
+        (port, line): (usize, usize),
+        resistance: Option<f64>,
     ) {
         let e = self.evaluation;
         let turn = Complex64::new(0.0, line as f64 * e.lines.omega);
+        let row = |row: usize| -e.block.at(line, row, 1 + port);
+        let wave = |value: Complex64, out: &mut [[f64; LANES]]| tables.wave((line, lane), value, out);
         let slip = if line == 0 { Complex64::ZERO } else { row(0) };
-        tables.wave(line, slip, &mut direction.slip);
-        tables.wave(line, slip * turn, &mut direction.velocity);
-        if e.support_stiffness > 0.0 && e.rotation {
-            tables.wave(line, row(1) * e.support_stiffness, &mut direction.support);
+        wave(slip, &mut direction.slip);
+        wave(slip * turn, &mut direction.velocity);
+        if !direction.support.is_empty() {
+            wave(row(1) * e.support_stiffness, &mut direction.support);
         }
-        direction.ports.resize(e.layout.ports, [Vec::new(), Vec::new()]);
+        if let Some(resistance) = resistance {
+            let own = if port == 0 { Complex64::ONE } else { Complex64::ZERO };
+            let own = if line == 0 { own * (1.0 - LEAK) } else { own };
+            wave(own + slip * turn * resistance, &mut direction.trial);
+        }
         for (p, [d, v]) in direction.ports.iter_mut().enumerate() {
             let motion = row(e.layout.port_row(p));
-            tables.wave(line, motion, d);
-            tables.wave(line, motion * turn, v);
+            wave(motion, d);
+            wave(motion * turn, v);
         }
     }
 }
+
+/// Directions that a derivative of the balance answers side by side: a step's derivatives are read once for all of them, and
+/// none waits for the state of another.
+const LANES: usize = 8;
 
 /// Lines (of the excitation) whose forces are always coupled in the derivative of the balance.
 const FULL_LINES: usize = 40;
@@ -258,13 +286,14 @@ impl Tables {
         }
     }
 
-    /// `Re x̂ e^{ihτ}` on the grid.
-    fn wave(&self, line: usize, value: Complex64, out: &mut Vec<f64>) {
+    /// `Re x̂ e^{ihτ}` on the grid into a lane, `Re i x̂ e^{ihτ}` into the next.
+    fn wave<const L: usize>(&self, (line, lane): (usize, usize), value: Complex64, out: &mut [[f64; L]]) {
         let samples = self.cosine.len();
-        out.clear();
         let mut at = 0;
-        for _ in 0..samples {
-            out.push(value.re * self.cosine[at] - value.im * self.sine[at]);
+        for out in out {
+            let (cosine, sine) = (self.cosine[at], self.sine[at]);
+            out[lane] = value.re * cosine - value.im * sine;
+            out[lane + 1] = -value.im * cosine - value.re * sine;
             at += line;
             if at >= samples {
                 at -= samples;

@@ -231,16 +231,14 @@ impl AccelerationModel {
             let prepared = self.prepare(&structure, setting, run);
             let evaluation = self.evaluation(structure.layout(), setting, &prepared, run);
             solve(&evaluation, kept, self.tolerance).map_err(|left| not_balanced(run, left))?;
-            Ok(self.differentiate(
-                &Differentiation {
-                    evaluation: &evaluation,
-                    structure: &structure,
-                    quantities,
-                    moved: &moved,
-                    run,
-                },
-                kept,
-            ))
+            let differentiation = Differentiation {
+                evaluation: &evaluation,
+                structure: &structure,
+                quantities,
+                moved: &moved,
+                run,
+            };
+            Ok(differentiation.at(kept))
         })
     }
 

@@ -3,7 +3,8 @@
 //! A step's derivatives are kept side by side, only those of states that the law uses: a balance asks for hundreds of
 //! answers, and reading the derivatives is most of their cost.
 
-use super::contact::{Local, MOTIONS, STATES};
+use super::contact::{Local, MOTIONS};
+use frettrace_friction::effects::{Monodromy, STATES};
 
 /// Derivatives of all steps of a period, and what the period does to its initial state.
 pub(super) struct Response {
@@ -12,15 +13,48 @@ pub(super) struct Response {
     rows: Vec<f64>,
     /// Change of the force at each sample by each initial state.
     initial: Vec<[f64; STATES]>,
-    /// Change of the final state by each initial state.
-    period: [[f64; STATES]; STATES],
+    /// What the period does to each initial state.
+    period: Monodromy,
 }
 
-/// Change of one value of a step: derivatives by motion, then by the `M` states, with the changes of both.
-fn dot<const M: usize>(gradient: &[f64], motion: &[f64; MOTIONS], state: &[f64; M]) -> f64 {
-    let (by_motion, by_state) = gradient.split_at(MOTIONS);
-    let sum: f64 = by_motion.iter().zip(motion).map(|(a, b)| a * b).sum();
-    sum + by_state.iter().zip(state).map(|(a, b)| a * b).sum::<f64>()
+/// Motion of a contact in `L` directions side by side, one value a sample; what does not move is empty.
+#[derive(Clone, Copy)]
+pub(super) struct Moves<'a, const L: usize> {
+    pub slip: &'a [[f64; L]],
+    pub velocity: &'a [[f64; L]],
+    pub normal: &'a [[f64; L]],
+    pub trial: &'a [[f64; L]],
+}
+
+/// Adds a multiple of values side by side.
+fn add<const L: usize>(sum: &mut [f64; L], factor: f64, values: &[f64; L]) {
+    sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += factor * value);
+}
+
+impl<const L: usize> Moves<'_, L> {
+    const STILL: Self = Self { slip: &[], velocity: &[], normal: &[], trial: &[] };
+
+    /// Change of one value of step `k`: its derivatives by motion, then by the `M` states, with the changes of both.
+    fn change<const M: usize>(
+        &self,
+        gradient: &[f64],
+        (k, next): (usize, usize),
+        state: &[[f64; L]; M],
+    ) -> [f64; L] {
+        let mut sum = [0.0; L];
+        for (series, by) in [self.slip, self.velocity, self.normal].into_iter().zip(gradient.chunks_exact(2))
+        {
+            if !series.is_empty() {
+                add(&mut sum, by[0], &series[k]);
+                add(&mut sum, by[1], &series[next]);
+            }
+        }
+        if !self.trial.is_empty() {
+            add(&mut sum, gradient[MOTIONS - 1], &self.trial[next]);
+        }
+        gradient[MOTIONS..].iter().zip(state).for_each(|(by, state)| add(&mut sum, *by, state));
+        sum
+    }
 }
 
 impl Response {
@@ -33,104 +67,91 @@ impl Response {
                 rows.extend_from_slice(&gradient[..used]);
             }
         }
-        let mut response =
-            Self { used, rows, initial: vec![[0.0; STATES]; locals.len()], period: [[0.0; STATES]; STATES] };
-        match used {
+        let initial = vec![[0.0; STATES]; locals.len()];
+        let mut response = Self { used, rows, initial, period: Monodromy::new(0, |_, _| 0.0) };
+        response.period = match used {
             1 => response.run_through::<1>(),
             2 => response.run_through::<2>(),
             3 => response.run_through::<3>(),
             _ => response.run_through::<STATES>(),
-        }
+        };
         response
     }
 
-    /// What each initial state alone does over the period.
-    fn run_through<const M: usize>(&mut self) {
+    /// What each initial state alone, a direction each, does over the period.
+    fn run_through<const M: usize>(&mut self) -> Monodromy {
         let samples = self.initial.len();
-        let still = [0.0; MOTIONS];
-        for i in 0..M {
-            let mut state = [0.0; M];
-            state[i] = 1.0;
-            for k in 0..samples {
-                let force = self.step(k, &still, &mut state);
-                let next = if k + 1 == samples { 0 } else { k + 1 };
-                self.initial[next][i] = force;
-            }
-            self.period[i][..M].copy_from_slice(&state);
+        let mut state: [[f64; M]; M] =
+            std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
+        for k in 0..samples {
+            let next = if k + 1 == samples { 0 } else { k + 1 };
+            let force = self.step(k, next, &Moves::STILL, &mut state);
+            self.initial[next][..M].copy_from_slice(&force);
         }
+        Monodromy::new(M, |i, j| state[i][j])
     }
 
-    /// Change of the force after step `k`; moves the change of the state. `M` states are used: known when compiled, their loops
-    /// are unrolled.
-    fn step<const M: usize>(&self, k: usize, motion: &[f64; MOTIONS], state: &mut [f64; M]) -> f64 {
+    /// Change of the force after step `k`; moves the change of the state. `M` states are used, in `L` directions: known when
+    /// compiled, their loops are unrolled.
+    fn step<const M: usize, const L: usize>(
+        &self,
+        k: usize,
+        next: usize,
+        moves: &Moves<'_, L>,
+        state: &mut [[f64; L]; M],
+    ) -> [f64; L] {
         let width = MOTIONS + M;
         let at = k * (1 + M) * width;
         let rows = &self.rows[at..at + (1 + M) * width];
         let old = *state;
         for (new, row) in state.iter_mut().zip(rows[width..].chunks_exact(width)) {
-            *new = dot(row, motion, &old);
+            *new = moves.change(row, (k, next), &old);
         }
-        dot(&rows[..width], motion, &old)
+        moves.change(&rows[..width], (k, next), &old)
     }
 
-    /// Change of the force over the period: `motion` gives the changes of a step's motion, `by_hook` what a parameter adds to
-    /// its force and to its new states.
-    pub fn answer(
+    /// Change of the force over the period by the given motion, and by what a parameter adds (`by_hook`) to the force and to the
+    /// new states of each step.
+    pub fn answer<const L: usize>(
         &self,
-        motion: impl Fn(usize, usize) -> [f64; MOTIONS],
+        moves: &Moves<'_, L>,
         by_hook: impl Fn(usize) -> Option<[f64; STATES + 1]>,
-    ) -> Vec<f64> {
+    ) -> Vec<[f64; L]> {
         match self.used {
-            1 => self.answer_of::<1>(motion, by_hook),
-            2 => self.answer_of::<2>(motion, by_hook),
-            3 => self.answer_of::<3>(motion, by_hook),
-            _ => self.answer_of::<STATES>(motion, by_hook),
+            1 => self.answer_of::<1, L>(moves, by_hook),
+            2 => self.answer_of::<2, L>(moves, by_hook),
+            3 => self.answer_of::<3, L>(moves, by_hook),
+            _ => self.answer_of::<STATES, L>(moves, by_hook),
         }
     }
 
-    fn answer_of<const M: usize>(
+    fn answer_of<const M: usize, const L: usize>(
         &self,
-        motion: impl Fn(usize, usize) -> [f64; MOTIONS],
+        moves: &Moves<'_, L>,
         by_hook: impl Fn(usize) -> Option<[f64; STATES + 1]>,
-    ) -> Vec<f64> {
+    ) -> Vec<[f64; L]> {
         let samples = self.initial.len();
-        let mut force = vec![0.0; samples];
-        let mut state = [0.0; M];
+        let mut force = vec![[0.0; L]; samples];
+        let mut state = [[0.0; L]; M];
         for k in 0..samples {
             let next = if k + 1 == samples { 0 } else { k + 1 };
-            force[next] = self.step(k, &motion(k, next), &mut state);
-            if let Some(added) = by_hook(k) {
-                force[next] += added[0];
-                state.iter_mut().zip(&added[1..]).for_each(|(s, a)| *s += a);
-            }
-        }
-        let mut reached = [0.0; STATES];
-        reached[..M].copy_from_slice(&state);
-        let start = self.close(&reached);
-        for (f, by_start) in force.iter_mut().zip(&self.initial) {
-            *f += by_start.iter().zip(&start).map(|(a, b)| a * b).sum::<f64>();
-        }
-        force
-    }
-
-    /// `(I − Φ)⁻¹ g` for the period map `Φ`; a state that never forgets stays where it started.
-    fn close(&self, reached: &[f64; STATES]) -> [f64; STATES] {
-        let m = self.used;
-        let mut matrix = nalgebra::SMatrix::<f64, STATES, STATES>::identity();
-        let mut right = nalgebra::SVector::<f64, STATES>::zeros();
-        for i in 0..m {
-            right[i] = reached[i];
-            for j in 0..m {
-                matrix[(i, j)] -= self.period[j][i];
-            }
-            if matrix[(i, i)].abs() < 1e-7 {
-                right[i] = 0.0;
-                for j in 0..m {
-                    matrix[(i, j)] = f64::from(u8::from(i == j));
+            force[next] = self.step(k, next, moves, &mut state);
+            if let Some([by_force, by_state @ ..]) = by_hook(k) {
+                force[next].iter_mut().for_each(|force| *force += by_force);
+                for (state, by) in state.iter_mut().zip(by_state) {
+                    state.iter_mut().for_each(|state| *state += by);
                 }
             }
         }
-        let solution = matrix.lu().solve(&right).unwrap_or_default();
-        std::array::from_fn(|i| solution[i])
+        let mut start = [[0.0; L]; STATES];
+        for lane in 0..L {
+            let reached = std::array::from_fn(|i| if i < M { state[i][lane] } else { 0.0 });
+            let settled = self.period.settle(reached);
+            start.iter_mut().zip(settled).for_each(|(start, settled)| start[lane] = settled);
+        }
+        for (force, by_start) in force.iter_mut().zip(&self.initial) {
+            by_start.iter().zip(&start).for_each(|(by, start)| add(force, *by, start));
+        }
+        force
     }
 }

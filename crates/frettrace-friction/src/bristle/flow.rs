@@ -3,13 +3,10 @@
 //! With the travel `U = σ0 |Δu|` and the fraction `τ` of it, `dp/dτ = U (1 − s(p/μ(τ)))`. μ is known at the start, the
 //! middle and the end in time; between them it is the parabola through the three.
 
-use nalgebra::SVector;
-use num_dual::{Derivative, DualSVec64};
-
 use super::partial_slip::{Parabola, partial_slip};
 use crate::decay::decay;
 use crate::lift::{lift, sign};
-use crate::{Scalar, Stroke};
+use crate::{Gradient, Scalar, Stroke};
 
 /// Friction coefficient and travel along one stroke.
 #[derive(Clone, Copy, Debug)]
@@ -157,11 +154,10 @@ impl<T: Scalar> Friction<T> {
         if T::NDERIV == 0 {
             return T::from(partial_slip(arguments.map(|argument| argument.re())));
         }
-        let seeds: [DualSVec64<7>; 7] =
-            std::array::from_fn(|index| DualSVec64::from_re(arguments[index].re()).derivative(index));
-        let DualSVec64 { re, eps: Derivative(slopes, ..) } = partial_slip(seeds);
-        let slopes: SVector<f64, 7> = slopes.unwrap_or_else(SVector::zeros);
-        lift(re, std::array::from_fn(|index| slopes[index]), arguments)
+        let seeds: [Gradient<7>; 7] =
+            std::array::from_fn(|index| Gradient::variable(arguments[index].re(), index));
+        let Gradient { re, slopes } = partial_slip(seeds);
+        lift(re, slopes, arguments)
     }
 
     /// Share of the travel done at half time.

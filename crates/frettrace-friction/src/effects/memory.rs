@@ -21,28 +21,36 @@ impl<T: Scalar> ModifiedLaw<T> {
         ModifiedState([T::from(0.0), memory, slip, T::from(0.0)])
     }
 
+    /// What the memory follows at a speed in the given sense; 0 where it follows none.
+    pub(super) fn target(&self, speed: T, sign: f64) -> T {
+        if self.on(Hook::LagTime) {
+            self.weight(speed)
+        } else if self.on(Hook::SpeedLag) {
+            speed
+        } else if self.on(Hook::VelocityLag) {
+            speed * sign
+        } else if self.on(Hook::FilmLoss) {
+            self.steady_film(speed)
+        } else {
+            T::from(0.0)
+        }
+    }
+
     /// The memory after a stretch.
     pub(super) fn remember(&self, memory: T, from: &End<T>, to: &End<T>, dt: T) -> T {
+        let targets = [from.target, to.target];
+        let velocity = || self.at(Hook::StribeckVelocity);
         if self.on(Hook::LagTime) {
-            let (old, new) = (self.weight(from.speed), self.weight(to.speed));
-            self.follow(memory, [old, new], dt / self.at(Hook::LagTime), T::from(1.0))
+            self.follow(memory, targets, dt / self.at(Hook::LagTime), T::from(1.0))
         } else if self.on(Hook::SpeedLag) {
-            self.follow(
-                memory,
-                [from.speed, to.speed],
-                dt / self.at(Hook::SpeedLag),
-                self.at(Hook::StribeckVelocity),
-            )
+            self.follow(memory, targets, dt / self.at(Hook::SpeedLag), velocity())
         } else if self.on(Hook::VelocityLag) {
-            let sign = if (to.slip - from.slip).re() < 0.0 { -1.0 } else { 1.0 };
-            let ends = [from.speed * sign, to.speed * sign];
-            self.follow(memory, ends, dt / self.at(Hook::VelocityLag), self.at(Hook::StribeckVelocity))
+            self.follow(memory, targets, dt / self.at(Hook::VelocityLag), velocity())
         } else if self.on(Hook::FilmLoss) {
-            let (old, new) = (self.steady_film(from.speed), self.steady_film(to.speed));
-            let builds = (old + new).re() * 0.5 > memory.re();
+            let builds = (targets[0] + targets[1]).re() * 0.5 > memory.re();
             let falls = self.on(Hook::FilmFall) && !builds;
             let time = self.at(if falls { Hook::FilmFall } else { Hook::FilmRise });
-            relax(memory, 1.0, [old, new], dt / time)
+            relax(memory, 1.0, targets, dt / time)
         } else if self.on(Hook::AgeingGain) {
             let e = (to.slip - from.slip).abs() / self.at(Hook::AgeingDistance);
             memory * (-e).exp() + dt * decay_mean(e)

@@ -7,12 +7,17 @@
 mod coefficient;
 mod hooks;
 mod kernel;
+mod leg;
 mod memory;
 mod modified;
+mod monodromy;
+mod periodic;
 mod rigid;
 
 pub use hooks::{HOOKS, Hook};
-pub use modified::{Circumstance, ModifiedLaw, ModifiedState};
+pub use modified::{Circumstance, ModifiedLaw, ModifiedState, Reached};
+pub use monodromy::{Monodromy, STATES};
+pub use periodic::Periodic;
 
 #[cfg(test)]
 mod tests;

@@ -7,9 +7,9 @@
 //! monotone and rate-independent laws depend on slip alone.
 
 use super::hooks::{HOOKS, Hook};
-use super::kernel::{elasto_plastic, power, powered, relax};
-use crate::bristle::Friction;
-use crate::law::{FrictionLaw, Scalar, Step, Stroke};
+use super::kernel::relax;
+use super::leg::Leg;
+use crate::law::{FrictionLaw, Scalar, Step};
 
 /// What a step needs to know beside the motion of the contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +58,8 @@ pub(super) struct End<T> {
     pub(super) speed: T,
     pub(super) normal: T,
     pub(super) memory: T,
+    /// What the memory follows there.
+    pub(super) target: T,
 }
 
 impl<T: Scalar> ModifiedLaw<T> {
@@ -103,96 +105,12 @@ impl<T: Scalar> ModifiedLaw<T> {
         self.values[hook as usize]
     }
 
-    /// One part of a monotone stretch over which the friction coefficient is taken as linear.
-    fn flow(&self, b: T, mu: [T; 2], slip: T, normal: T) -> T {
-        let sign = if slip.re() < 0.0 { -1.0 } else { 1.0 };
-        let mean = (mu[0] + mu[1]) * 0.5;
-        let xi = self.at(Hook::Sigma0) * slip.abs() / mean;
-        if !self.on(Hook::SeriesCompliance) {
-            return self.flow_by(b, mu, sign, xi);
-        }
-        // dz = φ·du/(1 + σ0·φ·N·c): the rate at mid-stretch, predicted by half a stretch.
-        let stiffness = self.at(Hook::Sigma0) * normal * self.at(Hook::SeriesCompliance);
-        let softened = |b: T| {
-            let left = -(b * sign / mean) + 1.0;
-            let left = if left.re() > 0.0 { left } else { T::from(0.0) };
-            xi / (stiffness * left + 1.0)
-        };
-        let middle = self.flow_by(b, mu, sign, softened(b) * 0.5);
-        self.flow_by(b, mu, sign, softened(middle))
-    }
-
-    fn flow_by(&self, b: T, mu: [T; 2], sign: f64, xi: T) -> T {
-        let mean = (mu[0] + mu[1]) * 0.5;
-        if self.on(Hook::Breakaway) {
-            let rise = (self.at(Hook::Breakaway), self.at(Hook::BreakawayShape));
-            elasto_plastic(b * sign / mean, rise, xi) * mean * sign
-        } else if self.on(Hook::FlowPower) {
-            powered(b * sign / mean, self.at(Hook::FlowPower), xi) * mean * sign
-        } else if self.on(Hook::Exponent) {
-            power(b * sign / mean, self.at(Hook::Exponent), xi) * mean * sign
-        } else {
-            relax(b, sign, mu, xi)
-        }
-    }
-
-    /// One monotone stretch: the new deflection and memory.
-    fn stretch(&self, (b, memory): (T, T), motion: &Stretch<T>, circumstance: &Circumstance) -> (T, T) {
-        let slip = motion.slip[1] - motion.slip[0];
-        let sign = if slip.re() < 0.0 { -1.0 } else { 1.0 };
-        let end = |k: usize, memory: T| End {
-            slip: motion.slip[k],
-            speed: motion.velocity[k].abs(),
-            normal: motion.normal[k],
-            memory,
-        };
-        let (from, mut to) = (end(0, memory), end(1, memory));
-        if !self.varies() {
-            let mu = self.friction(&from, sign, circumstance);
-            return (self.flow(b, [mu, mu], slip, from.normal), memory);
-        }
-        // Hermite interpolant at mid-time: u = ū + (v₀ − v₁)dt/8, v = 3Δu/(2dt) − (v₀ + v₁)/4.
-        let half = motion.dt * 0.5;
-        let bend = (motion.velocity[0] - motion.velocity[1]) * motion.dt * 0.125;
-        let speed = slip / motion.dt * 1.5 - (motion.velocity[0] + motion.velocity[1]) * 0.25;
-        let mut middle = End {
-            slip: (motion.slip[0] + motion.slip[1]) * 0.5 + bend,
-            speed: speed.abs(),
-            normal: (motion.normal[0] + motion.normal[1]) * 0.5,
-            memory,
-        };
-        middle.memory = self.remember(memory, &from, &middle, half);
-        to.memory = self.remember(middle.memory, &middle, &to, half);
-        let [start, mid, stop] = [&from, &middle, &to].map(|end| self.friction(end, sign, circumstance));
-        let stepwise = [Hook::SeriesCompliance, Hook::BreakawayShape, Hook::FlowPower];
-        if stepwise.into_iter().any(|hook| self.on(hook)) {
-            let b = self.flow(b, [start, mid], middle.slip - from.slip, from.normal);
-            return (self.flow(b, [mid, stop], to.slip - middle.slip, middle.normal), to.memory);
-        }
-        let stroke = Stroke {
-            travel: slip,
-            direction: sign,
-            velocity: [motion.velocity[0], speed, motion.velocity[1]],
-            fraction: [T::from(0.0), T::from(0.5), T::from(1.0)],
-            duration: motion.dt,
-        };
-        let friction = Friction::new(self.at(Hook::Sigma0), &stroke, [start, mid, stop]);
-        let after = if self.on(Hook::Breakaway) {
-            friction.breakaway(b * sign, self.at(Hook::Breakaway))
-        } else if self.on(Hook::Exponent) {
-            friction.power(b * sign, self.at(Hook::Exponent))
-        } else {
-            friction.linear(b * sign)
-        };
-        (after * sign, to.memory)
-    }
-
-    /// Force at one end without the force lag.
-    pub(super) fn force(&self, b: T, end: &End<T>, velocity: T, circumstance: &Circumstance) -> T {
+    /// Force at one end, of which `friction` gives the friction coefficient, without the force lag.
+    pub(super) fn force(&self, b: T, end: &End<T>, velocity: T, friction: impl FnOnce() -> T) -> T {
         let pressed = if end.normal.re() > 0.0 { end.normal } else { T::from(0.0) };
         let mut ratio = b;
         if self.on(Hook::Sigma1) {
-            ratio += self.damping(b, end, velocity, circumstance);
+            ratio += self.damping(b, velocity, friction());
         }
         let mut force = pressed * ratio;
         if self.on(Hook::Viscous) {
@@ -221,9 +139,8 @@ impl<T: Scalar> ModifiedLaw<T> {
     }
 
     /// `σ1(v)·ż` with `ż = v·φ(r)`.
-    fn damping(&self, b: T, end: &End<T>, velocity: T, circumstance: &Circumstance) -> T {
-        let sign = if velocity.re() < 0.0 { -1.0 } else { 1.0 };
-        let ratio = b * sign / self.friction(end, sign, circumstance);
+    fn damping(&self, b: T, velocity: T, friction: T) -> T {
+        let ratio = b * sense(velocity) / friction;
         let rate = if self.on(Hook::Breakaway) {
             let rise = super::kernel::rise(ratio, self.at(Hook::Breakaway), self.at(Hook::BreakawayShape));
             -(rise * ratio) + 1.0
@@ -241,7 +158,7 @@ impl<T: Scalar> ModifiedLaw<T> {
     }
 
     /// The engaged slip after play, and whether the contact is dragged along.
-    fn engage(&self, engaged: T, slip: T) -> (T, bool) {
+    pub(super) fn engage(&self, engaged: T, slip: T) -> (T, bool) {
         let play = self.at(Hook::Backlash);
         if engaged.re() < (slip - play).re() {
             (slip - play, true)
@@ -252,22 +169,37 @@ impl<T: Scalar> ModifiedLaw<T> {
         }
     }
 
-    pub(super) fn modulated(&self, normal: [T; 2], circumstance: &Circumstance) -> [T; 2] {
+    /// Normal force with the modulation of the preload at the given cosine and sine of its phase.
+    pub(super) fn modulated(&self, normal: T, [c, s]: [f64; 2], preload: f64) -> T {
         if !self.on(Hook::ModulationCosine) {
             return normal;
         }
         let [cosine, sine] = [Hook::ModulationCosine, Hook::ModulationSine].map(|hook| self.at(hook));
         let steepness = self.at(Hook::ModulationSteepness);
-        let shaped = self.on(Hook::ModulationSteepness) && steepness.re() > 0.0;
-        std::array::from_fn(|k| {
-            let [c, s] = circumstance.phase[k];
-            let mut share = cosine * c + sine * s;
-            if shaped {
-                let size = (cosine * cosine + sine * sine).sqrt();
-                share = size * (steepness * share / size).tanh() / steepness.tanh();
-            }
-            normal[k] + share * circumstance.preload
-        })
+        let mut share = cosine * c + sine * s;
+        if self.on(Hook::ModulationSteepness) && steepness.re() > 0.0 {
+            let size = (cosine * cosine + sine * sine).sqrt();
+            share = size * (steepness * share / size).tanh() / steepness.tanh();
+        }
+        normal + share * preload
+    }
+
+    /// The same at both ends of a step.
+    pub(super) fn pressing(&self, step: &Step<T>, circumstance: &Circumstance) -> [T; 2] {
+        let Circumstance { phase, preload, .. } = circumstance;
+        [0, 1].map(|k| self.modulated(step.normal[k], phase[k], *preload))
+    }
+
+    /// The motion of the bristle over a step, and the engaged slip after it.
+    pub(super) fn motion(&self, engaged: T, step: &Step<T>, normal: [T; 2]) -> (Stretch<T>, T) {
+        let dt = T::from(step.dt);
+        if !self.on(Hook::Backlash) {
+            return (Stretch { slip: step.slip, velocity: step.velocity, normal, dt }, step.slip[1]);
+        }
+        let (caught, dragged) = self.engage(engaged, step.slip[1]);
+        // Held by the play: a chord without reversal.
+        let velocity = if dragged { step.velocity } else { [T::from(0.0); 2] };
+        (Stretch { slip: [engaged, caught], velocity, normal, dt }, caught)
     }
 
     /// From the old sample to the new one under the given circumstance.
@@ -277,67 +209,119 @@ impl<T: Scalar> ModifiedLaw<T> {
         step: &Step<T>,
         circumstance: &Circumstance,
     ) -> (ModifiedState<T>, T) {
-        let normal = self.modulated(step.normal, circumstance);
-        let [b, memory, engaged, lagged] = state.0;
-        let mut motion = Stretch { slip: step.slip, velocity: step.velocity, normal, dt: T::from(step.dt) };
-        let mut caught = step.slip[1];
-        if self.on(Hook::Backlash) {
-            let (to, dragged) = self.engage(engaged, step.slip[1]);
-            let speed = if dragged { step.velocity[1] } else { T::from(0.0) };
-            motion.slip = [engaged, to];
-            // Held by the play: a chord without reversal.
-            motion.velocity = [if dragged { step.velocity[0] } else { T::from(0.0) }, speed];
-            caught = to;
-        }
-        let (new_b, new_memory) = self.cut_at_reversal((b, memory), &motion, circumstance);
-        let end = |k: usize, memory: T| End {
-            slip: step.slip[k],
-            speed: step.velocity[k].abs(),
-            normal: normal[k],
-            memory,
-        };
-        let mut force = self.force(new_b, &end(1, new_memory), step.velocity[1], circumstance);
-        let mut new_lagged = lagged;
-        if self.on(Hook::ForceLag) {
-            let old = self.force(b, &end(0, memory), step.velocity[0], circumstance);
-            new_lagged = relax(lagged, 1.0, [old, force], self.at(Hook::ForceLag).recip() * step.dt);
-            force = new_lagged;
-        }
-        (ModifiedState([new_b, new_memory, caught, new_lagged]), force)
+        self.advance_on(state, step, (circumstance, &mut Reached::default()))
     }
 
-    /// Cuts a step at the zero of the velocity and advances both parts.
-    fn cut_at_reversal(&self, state: (T, T), motion: &Stretch<T>, circumstance: &Circumstance) -> (T, T) {
-        let [v0, v1] = motion.velocity;
-        if v0.re() * v1.re() >= 0.0 || motion.dt.re() <= 0.0 {
-            return self.stretch(state, motion, circumstance);
+    /// As [`Self::advance`], step by step along one motion: what the end of the last step and the start of this one have in common
+    /// is computed once. `reached` begins empty and belongs to this motion, its derivatives included.
+    pub fn advance_on(
+        &self,
+        state: ModifiedState<T>,
+        step: &Step<T>,
+        (circumstance, reached): (&Circumstance, &mut Reached<T>),
+    ) -> (ModifiedState<T>, T) {
+        let normal = self.pressing(step, circumstance);
+        let [b, memory, engaged, lagged] = state.0;
+        let (motion, caught) = self.motion(engaged, step, normal);
+        if self.on(Hook::Backlash) {
+            // Where play is caught the velocity of the bristle jumps.
+            reached.0 = None;
         }
-        let (share, slip) = reversal(motion);
-        let rest = T::from(0.0);
-        let normal = motion.normal[0] + (motion.normal[1] - motion.normal[0]) * share;
-        let first = Stretch {
-            slip: [motion.slip[0], slip],
-            velocity: [v0, rest],
-            normal: [motion.normal[0], normal],
-            dt: motion.dt * share,
+        let (first, second) = motion.cut();
+        let mut rubbed = self.stretch((b, memory), first, (circumstance, &mut *reached));
+        if let Some(second) = second {
+            rubbed = self.stretch(rubbed, second, (circumstance, &mut *reached));
+        }
+        let force = |k: usize, (b, memory): (T, T), known: Option<T>| {
+            let velocity = step.velocity[k];
+            let end = End { memory, ..self.place(step.slip[k], (velocity, normal[k])) };
+            let friction = || known.unwrap_or_else(|| self.friction(&end, sense(velocity), circumstance));
+            self.force(b, &end, velocity, friction)
         };
-        let second = Stretch {
-            slip: [slip, motion.slip[1]],
-            velocity: [rest, v1],
-            normal: [normal, motion.normal[1]],
-            dt: motion.dt * (-share + 1.0),
-        };
-        let state = self.stretch(state, &first, circumstance);
-        self.stretch(state, &second, circumstance)
+        let known =
+            reached.0.filter(|(sign, ..)| !self.on(Hook::Backlash) && *sign == sense(step.velocity[1]));
+        let mut answer = force(1, rubbed, known.map(|(.., friction)| friction));
+        let mut new_lagged = lagged;
+        if self.on(Hook::ForceLag) {
+            new_lagged = self.lag(lagged, [force(0, (b, memory), None), answer], T::from(step.dt));
+            answer = new_lagged;
+        }
+        (ModifiedState([rubbed.0, rubbed.1, caught, new_lagged]), answer)
+    }
+
+    /// The lagged force after `dt` in which the force went from one value to the other.
+    pub(super) fn lag(&self, lagged: T, force: [T; 2], dt: T) -> T {
+        relax(lagged, 1.0, force, self.at(Hook::ForceLag).recip() * dt)
+    }
+
+    /// One monotone stretch: the new deflection and memory.
+    fn stretch(
+        &self,
+        (b, memory): (T, T),
+        motion: Stretch<T>,
+        (circumstance, reached): (&Circumstance, &mut Reached<T>),
+    ) -> (T, T) {
+        let known = reached.0.filter(|(sign, ..)| *sign == motion.sign());
+        let mut leg = Leg::new(self, motion, known.map(|(_, end, _)| end));
+        let memory = leg.recall(self, memory);
+        let friction = leg.friction(self, circumstance, known.map(|(.., friction)| friction));
+        reached.0 = Some((leg.sign, leg.ends[2], friction[2]));
+        (leg.flow(self, friction).over(self, b), memory)
     }
 }
 
+/// Where a motion has come to: its sense, its place, and the friction coefficient there.
+#[derive(Clone, Copy)]
+pub struct Reached<T>(Option<(f64, End<T>, T)>);
+
+impl<T> Default for Reached<T> {
+    fn default() -> Self {
+        Self(None)
+    }
+}
+
+/// Sense of a velocity, forwards at rest.
+pub(super) fn sense<T: Scalar>(velocity: T) -> f64 {
+    if velocity.re() < 0.0 { -1.0 } else { 1.0 }
+}
+
 /// A stretch whose duration is a scalar of the law (the time of a reversal depends on the motion).
-struct Stretch<T> {
-    slip: [T; 2],
-    velocity: [T; 2],
-    normal: [T; 2],
-    dt: T,
+pub(super) struct Stretch<T> {
+    pub(super) slip: [T; 2],
+    pub(super) velocity: [T; 2],
+    pub(super) normal: [T; 2],
+    pub(super) dt: T,
+}
+
+impl<T: Scalar> Stretch<T> {
+    /// Sense of the motion.
+    pub(super) fn sign(&self) -> f64 {
+        sense(self.slip[1] - self.slip[0])
+    }
+
+    /// Cuts the motion at the zero of the velocity: one monotone part, or two.
+    pub(super) fn cut(self) -> (Self, Option<Self>) {
+        let [v0, v1] = self.velocity;
+        if v0.re() * v1.re() >= 0.0 || self.dt.re() <= 0.0 {
+            return (self, None);
+        }
+        let (share, slip) = reversal(&self);
+        let rest = T::from(0.0);
+        let normal = self.normal[0] + (self.normal[1] - self.normal[0]) * share;
+        let first = Self {
+            slip: [self.slip[0], slip],
+            velocity: [v0, rest],
+            normal: [self.normal[0], normal],
+            dt: self.dt * share,
+        };
+        let second = Self {
+            slip: [slip, self.slip[1]],
+            velocity: [rest, v1],
+            normal: [normal, self.normal[1]],
+            dt: self.dt * (-share + 1.0),
+        };
+        (first, Some(second))
+    }
 }
 
 /// Share of the step up to the reversal, and the slip there, on the cubic Hermite interpolant.

@@ -1,7 +1,7 @@
 //! The modified law with a rigid bristle: set-valued at rest.
 
 use super::hooks::Hook;
-use super::modified::{Circumstance, End, ModifiedLaw, ModifiedState};
+use super::modified::{Circumstance, End, ModifiedLaw, ModifiedState, sense};
 use crate::law::{Scalar, Step};
 
 impl<T: Scalar> ModifiedLaw<T> {
@@ -24,26 +24,35 @@ impl<T: Scalar> ModifiedLaw<T> {
         step: &Step<T>,
         (trial, circumstance): (T, &Circumstance),
     ) -> (ModifiedState<T>, T) {
-        let normal = self.modulated(step.normal, circumstance);
+        let normal = self.pressing(step, circumstance);
         let [_, memory, _, lagged] = state.0;
-        let end = |k: usize, memory: T| End {
-            slip: step.slip[k],
-            speed: step.velocity[k].abs(),
-            normal: normal[k],
-            memory,
+        let place = |k: usize| {
+            let velocity = step.velocity[k];
+            self.followed(self.place(step.slip[k], (velocity, normal[k])), sense(velocity))
         };
-        let from = end(0, memory);
-        let mut to = end(1, memory);
+        let (from, mut to) = (place(0), place(1));
         to.memory = self.remember(memory, &from, &to, T::from(step.dt));
+        let (b, force) = self.hold(&to, (step.velocity[1], trial), circumstance);
+        (ModifiedState([b, to.memory, step.slip[1], lagged]), force)
+    }
+
+    /// Force over pressure of the bristle, and the force, at a place of a given velocity.
+    pub(super) fn hold(
+        &self,
+        place: &End<T>,
+        (velocity, trial): (T, T),
+        circumstance: &Circumstance,
+    ) -> (T, T) {
         let zero = T::from(0.0);
-        let beside = self.force(zero, &to, step.velocity[1], circumstance);
+        let friction = |sign: f64| self.friction(place, sign, circumstance);
+        let beside = self.force(zero, place, velocity, || friction(sense(velocity)));
         let wanted = trial - beside;
-        let sign = if wanted.re() < 0.0 { -1.0 } else { 1.0 };
-        let pressed = if normal[1].re() > 0.0 { normal[1] } else { zero };
-        let limit = self.friction(&to, sign, circumstance) * pressed;
+        let sign = sense(wanted);
+        let pressed = if place.normal.re() > 0.0 { place.normal } else { zero };
+        let limit = friction(sign) * pressed;
         let held = if wanted.re().abs() < limit.re() { wanted } else { limit * sign };
         let b = if pressed.re() > 0.0 { held / pressed } else { zero };
-        (ModifiedState([b, to.memory, step.slip[1], lagged]), held + beside)
+        (b, held + beside)
     }
 }
 

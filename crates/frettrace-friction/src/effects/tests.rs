@@ -1,6 +1,6 @@
 //! What the modified law must satisfy.
 
-use super::{Circumstance, Hook, ModifiedLaw};
+use super::{Circumstance, Hook, ModifiedLaw, ModifiedState, Periodic, Reached};
 use crate::law::Step;
 use num_dual::Dual64;
 
@@ -195,6 +195,164 @@ fn derivatives_agree_with_differences() {
                 d.1.eps
             );
             assert!((d.1.re - (a.1 + b.1) / 2.0).abs() < 1e-6);
+        }
+    }
+}
+
+/// Every kind of state and of saturation, one law each.
+fn zoo() -> Vec<ModifiedLaw<f64>> {
+    let dahl = ModifiedLaw::dahl(1.5e5, 0.4);
+    let with = |law: &ModifiedLaw<f64>, hooks: &[(Hook, f64)]| {
+        let mut law = *law;
+        hooks.iter().for_each(|&(hook, value)| law.set(hook, value));
+        law
+    };
+    let stribeck = with(
+        &dahl,
+        &[(Hook::StribeckRise, 0.15), (Hook::StribeckVelocity, 5e-4), (Hook::StribeckExponent, 1.7)],
+    );
+    let lugre = with(&stribeck, &[(Hook::Sigma1, 3.0), (Hook::DampingVelocity, 1e-3), (Hook::Viscous, 40.0)]);
+    let hybrid = with(&lugre, &[(Hook::Breakaway, 0.4)]);
+    let mut laws = vec![dahl, stribeck, lugre, hybrid];
+    for (law, hooks) in [
+        (dahl, vec![(Hook::Exponent, 0.6)]),
+        (stribeck, vec![(Hook::Exponent, 1.4)]),
+        (dahl, vec![(Hook::SeriesCompliance, 3e-8)]),
+        (stribeck, vec![(Hook::FlowPower, 1.5)]),
+        (lugre, vec![(Hook::LagTime, 4e-3)]),
+        (lugre, vec![(Hook::VelocityLag, 2e-3), (Hook::LagSaturation, 2.0)]),
+        (hybrid, vec![(Hook::SpeedLag, 2e-3)]),
+        (hybrid, vec![(Hook::Asymmetry, 0.2), (Hook::Position, 3e3)]),
+        (
+            dahl,
+            vec![
+                (Hook::FilmLoss, 0.4),
+                (Hook::FilmRise, 8e-3),
+                (Hook::FilmFall, 2e-3),
+                (Hook::FilmVelocity, 2e-3),
+            ],
+        ),
+        (dahl, vec![(Hook::AgeingGain, 0.1), (Hook::AgeingTime, 1e-3), (Hook::AgeingDistance, 2e-6)]),
+        (hybrid, vec![(Hook::Backlash, 4e-6)]),
+        (lugre, vec![(Hook::Backlash, 4e-6), (Hook::ParallelStiffness, 1e4)]),
+        (lugre, vec![(Hook::ForceLag, 2e-3)]),
+        (
+            dahl,
+            vec![
+                (Hook::ModulationCosine, 0.2),
+                (Hook::ModulationSine, -0.1),
+                (Hook::ModulationSteepness, 2.0),
+            ],
+        ),
+        (dahl, vec![(Hook::NormalExponent, 0.3), (Hook::Wear, 0.2)]),
+    ] {
+        laws.push(with(&law, &hooks));
+    }
+    laws
+}
+
+/// A period of 50 ms of a slip of two lines under a normal force that varies, and the force that a rigid contact would take.
+struct Course {
+    slip: Vec<f64>,
+    velocity: Vec<f64>,
+    normal: Vec<f64>,
+    held: Vec<f64>,
+}
+
+const SAMPLES: usize = 256;
+
+impl Course {
+    fn new(amplitude: f64) -> Self {
+        let at = |of: fn(f64) -> f64, size: f64| -> Vec<f64> {
+            (0..SAMPLES).map(|k| size * of(std::f64::consts::TAU * k as f64 / SAMPLES as f64)).collect()
+        };
+        let slip = at(|t| t.cos() + 0.3 * (2.0 * t).sin(), amplitude);
+        let velocity = at(|t| -t.sin() + 0.6 * (2.0 * t).cos(), amplitude * std::f64::consts::TAU / 0.05);
+        let held = velocity.iter().map(|v| 4e3 * v).collect();
+        Self { slip, velocity, normal: at(|t| 50.0 + 12.0 * t.sin(), 1.0), held }
+    }
+
+    fn along(&self, rigid: bool) -> Periodic<'_> {
+        Periodic {
+            slip: &self.slip,
+            velocity: &self.velocity,
+            normal: &self.normal,
+            trial: if rigid { &self.held } else { &[] },
+            dt: 0.05 / SAMPLES as f64,
+            preload: 50.0,
+            progress: 0.4,
+            modulation: 3,
+        }
+    }
+}
+
+/// The settled force against the slow way: the law marched along the motion period after period, fifty of them, from the same
+/// rest. What the slowest state has not forgotten by then, and what the faster way leaves of it, is below 1e-8 of the friction.
+#[test]
+fn settling_part_by_part_is_marching_for_long() {
+    for course in [2e-5, 1e-6].map(Course::new) {
+        for (number, (law, rigid)) in
+            zoo().into_iter().flat_map(|law| [(law, false), (law, true)]).enumerate()
+        {
+            let along = course.along(rigid);
+            let mut force = vec![0.0; SAMPLES];
+            let start = law.settle(&along, &mut force);
+            let virgin = Step {
+                slip: [0.0, along.slip[0]],
+                velocity: [along.velocity[0]; 2],
+                normal: [along.normal[0]; 2],
+                dt: along.dt,
+            };
+            let mut state = law.rest_at(0.0);
+            if !along.is_rigid(&law) {
+                state = law.advance(state, &virgin, &along.circumstance(&law, SAMPLES - 1)).0;
+            }
+            let mut marched = vec![0.0; SAMPLES];
+            for k in (0..50).flat_map(|_| 0..SAMPLES) {
+                let (circumstance, next) = (along.circumstance(&law, k), along.next(k));
+                (state, marched[next]) = if along.is_rigid(&law) {
+                    law.advance_rigid(state, &along.step(k), (along.trial[next], &circumstance))
+                } else {
+                    law.advance(state, &along.step(k), &circumstance)
+                };
+            }
+            let apart = force.iter().zip(&marched).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-8 * 20.0, "law {number}: {apart:.1e} N");
+            let ModifiedState(reached) = state;
+            for (a, b) in start.0.iter().zip(reached).take(law.states()) {
+                assert!((a - b).abs() < 1e-7 * (a.abs() + 1e-3), "law {number}: {a} {b}");
+            }
+        }
+    }
+}
+
+/// Steps along one motion that share their ends are the steps one by one, derivatives included, but for rounding.
+#[test]
+fn steps_along_one_motion_share_their_ends() {
+    let course = Course::new(2e-5);
+    let along = course.along(false);
+    for (number, law) in zoo().into_iter().enumerate() {
+        let law = law
+            .lift(|hook, value| Dual64::new(value, if hook == Hook::MuKinetic { 1.0 } else { 0.3 * value }));
+        let (mut one, mut shared, mut reached) =
+            (law.rest_at(0.0.into()), law.rest_at(0.0.into()), Reached::default());
+        for k in (0..2).flat_map(|_| 0..SAMPLES) {
+            let step = along.step(k);
+            let step = Step {
+                slip: step.slip.map(Dual64::from),
+                velocity: step.velocity.map(Dual64::from),
+                normal: step.normal.map(Dual64::from),
+                dt: step.dt,
+            };
+            let circumstance = along.circumstance(&law, k);
+            let (first, second);
+            (one, first) = law.advance(one, &step, &circumstance);
+            (shared, second) = law.advance_on(shared, &step, (&circumstance, &mut reached));
+            let apart = (first.re - second.re).abs() + (first.eps - second.eps).abs();
+            assert!(
+                apart < 1e-9 * (first.re.abs() + first.eps.abs() + 1.0),
+                "law {number}, step {k}: {apart:.1e}"
+            );
         }
     }
 }

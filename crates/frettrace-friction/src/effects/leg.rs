@@ -1,0 +1,177 @@
+//! One monotone stretch of a step, in the order in which things depend on each other: the motion, the memory, the friction
+//! coefficient, the deflection. Only the last of these depends on the deflection itself.
+
+use super::hooks::Hook;
+use super::kernel::{elasto_plastic, power, powered, relax};
+use super::modified::{Circumstance, End, ModifiedLaw, Stretch, sense};
+use crate::bristle::Friction;
+use crate::law::{Scalar, Stroke};
+
+/// A monotone stretch: its start, the place at half its time, its end.
+pub(super) struct Leg<T> {
+    motion: Stretch<T>,
+    pub(super) sign: f64,
+    /// Velocity at half time.
+    middle: T,
+    pub(super) ends: [End<T>; 3],
+}
+
+impl<T: Scalar> Leg<T> {
+    /// As far as the motion alone decides it; `start` is what is known of its start from the stretch before, in the same sense.
+    pub(super) fn new(law: &ModifiedLaw<T>, motion: Stretch<T>, start: Option<End<T>>) -> Self {
+        let [u0, u1] = motion.slip;
+        let [v0, v1] = motion.velocity;
+        let [n0, n1] = motion.normal;
+        let sign = motion.sign();
+        let end = |slip, velocity, normal| law.followed(law.place(slip, (velocity, normal)), sign);
+        if !law.varies() {
+            let [start, stop] = [(u0, v0, n0), (u1, v1, n1)].map(|(u, v, n)| law.place(u, (v, n)));
+            return Self { motion, sign, middle: v0, ends: [start, start, stop] };
+        }
+        // Hermite interpolant at mid-time: u = ū + (v₀ − v₁)dt/8, v = 3Δu/(2dt) − (v₀ + v₁)/4.
+        let bend = (v0 - v1) * motion.dt * 0.125;
+        let middle = (u1 - u0) / motion.dt * 1.5 - (v0 + v1) * 0.25;
+        let half = end((u0 + u1) * 0.5 + bend, middle, (n0 + n1) * 0.5);
+        let ends = [start.unwrap_or_else(|| end(u0, v0, n0)), half, end(u1, v1, n1)];
+        Self { motion, sign, middle, ends }
+    }
+
+    /// Leads the memory through the stretch; the memory after it.
+    pub(super) fn recall(&mut self, law: &ModifiedLaw<T>, memory: T) -> T {
+        let half = self.motion.dt * 0.5;
+        let [start, middle, stop] = &mut self.ends;
+        start.memory = memory;
+        middle.memory = if law.varies() { law.remember(memory, start, middle, half) } else { memory };
+        stop.memory = if law.varies() { law.remember(middle.memory, middle, stop, half) } else { memory };
+        stop.memory
+    }
+
+    /// The friction coefficient at start, half time and end; that of the start may be known from the stretch before.
+    pub(super) fn friction(
+        &self,
+        law: &ModifiedLaw<T>,
+        circumstance: &Circumstance,
+        start: Option<T>,
+    ) -> [T; 3] {
+        let at = |end: &End<T>| law.friction(end, self.sign, circumstance);
+        let first = start.unwrap_or_else(|| at(&self.ends[0]));
+        if law.varies() { [first, at(&self.ends[1]), at(&self.ends[2])] } else { [first; 3] }
+    }
+
+    /// How the deflection moves under the given friction coefficients.
+    pub(super) fn flow(&self, law: &ModifiedLaw<T>, friction: [T; 3]) -> Flow<T> {
+        let [start, middle, stop] = &self.ends;
+        let part = |mu: [T; 2], slip, normal| Part { mu, slip, normal };
+        let travel = self.motion.slip[1] - self.motion.slip[0];
+        if !law.varies() {
+            return Flow::Whole(part([friction[0]; 2], travel, start.normal));
+        }
+        let stepwise = [Hook::SeriesCompliance, Hook::BreakawayShape, Hook::FlowPower];
+        if stepwise.into_iter().any(|hook| law.on(hook)) {
+            let [first, mid, last] = friction;
+            return Flow::Halves([
+                part([first, mid], middle.slip - start.slip, start.normal),
+                part([mid, last], stop.slip - middle.slip, middle.normal),
+            ]);
+        }
+        let [v0, v1] = self.motion.velocity;
+        let stroke = Stroke {
+            travel,
+            direction: self.sign,
+            velocity: [v0, self.middle, v1],
+            fraction: [T::from(0.0), T::from(0.5), T::from(1.0)],
+            duration: self.motion.dt,
+        };
+        Flow::Stroke(Friction::new(law.at(Hook::Sigma0), &stroke, friction), self.sign)
+    }
+}
+
+/// Part of a monotone stretch over which the friction coefficient is taken as linear.
+#[derive(Clone, Copy)]
+pub(super) struct Part<T> {
+    mu: [T; 2],
+    slip: T,
+    normal: T,
+}
+
+/// How the deflection moves over a stretch.
+#[derive(Clone, Copy)]
+pub(super) enum Flow<T> {
+    Whole(Part<T>),
+    Halves([Part<T>; 2]),
+    Stroke(Friction<T>, f64),
+}
+
+impl<T: Scalar> Flow<T> {
+    /// The deflection after it.
+    pub(super) fn over(&self, law: &ModifiedLaw<T>, b: T) -> T {
+        match self {
+            Self::Whole(part) => part.over(law, b),
+            Self::Halves([first, second]) => second.over(law, first.over(law, b)),
+            Self::Stroke(friction, sign) => {
+                let loading = b * *sign;
+                let after = if law.on(Hook::Breakaway) {
+                    friction.breakaway(loading, law.at(Hook::Breakaway))
+                } else if law.on(Hook::Exponent) {
+                    friction.power(loading, law.at(Hook::Exponent))
+                } else {
+                    friction.linear(loading)
+                };
+                after * *sign
+            }
+        }
+    }
+}
+
+impl<T: Scalar> Part<T> {
+    fn over(&self, law: &ModifiedLaw<T>, b: T) -> T {
+        let sign = sense(self.slip);
+        let mean = (self.mu[0] + self.mu[1]) * 0.5;
+        let xi = law.at(Hook::Sigma0) * self.slip.abs() / mean;
+        if !law.on(Hook::SeriesCompliance) {
+            return self.by(law, b, (sign, xi));
+        }
+        // dz = φ·du/(1 + σ0·φ·N·c): the rate at mid-stretch, predicted by half a stretch.
+        let stiffness = law.at(Hook::Sigma0) * self.normal * law.at(Hook::SeriesCompliance);
+        let softened = |b: T| {
+            let left = -(b * sign / mean) + 1.0;
+            let left = if left.re() > 0.0 { left } else { T::from(0.0) };
+            xi / (stiffness * left + 1.0)
+        };
+        let middle = self.by(law, b, (sign, softened(b) * 0.5));
+        self.by(law, b, (sign, softened(middle)))
+    }
+
+    fn by(&self, law: &ModifiedLaw<T>, b: T, (sign, xi): (f64, T)) -> T {
+        let mean = (self.mu[0] + self.mu[1]) * 0.5;
+        if law.on(Hook::Breakaway) {
+            let rise = (law.at(Hook::Breakaway), law.at(Hook::BreakawayShape));
+            elasto_plastic(b * sign / mean, rise, xi) * mean * sign
+        } else if law.on(Hook::FlowPower) {
+            powered(b * sign / mean, law.at(Hook::FlowPower), xi) * mean * sign
+        } else if law.on(Hook::Exponent) {
+            power(b * sign / mean, law.at(Hook::Exponent), xi) * mean * sign
+        } else {
+            relax(b, sign, self.mu, xi)
+        }
+    }
+}
+
+impl<T: Scalar> ModifiedLaw<T> {
+    /// A place of a motion.
+    pub(super) fn place(&self, slip: T, (velocity, normal): (T, T)) -> End<T> {
+        let zero = T::from(0.0);
+        End { slip, speed: velocity.abs(), normal, memory: zero, target: zero }
+    }
+
+    /// The same with what the memory follows there, where the motion has the given sense.
+    pub(super) fn followed(&self, place: End<T>, sign: f64) -> End<T> {
+        End { target: self.target(place.speed, sign), ..place }
+    }
+
+    /// Whether the deflection after a stretch is a linear function of that before it.
+    pub(super) fn is_linear(&self) -> bool {
+        let bent = [Hook::Breakaway, Hook::FlowPower, Hook::Exponent, Hook::SeriesCompliance];
+        !bent.into_iter().any(|hook| self.on(hook))
+    }
+}

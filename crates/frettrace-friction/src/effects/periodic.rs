@@ -1,0 +1,267 @@
+//! A law along a motion that repeats: its settled state and force.
+//!
+//! Along a given motion nothing but the deflection depends on the deflection. So the state settles part by part – the slip that
+//! play engages, the memory, the deflection, the lagged force – and the friction coefficient, which costs most, is computed
+//! once for every place instead of once in every period. A part that is the fixed point of `x = P(x)`, one period, is iterated
+//! with Aitken's extrapolation; where `P(x) = a + kx` (a bristle of linear saturation along a given motion) it is
+//! `x = a/(1 − k)`.
+
+use super::hooks::Hook;
+use super::leg::{Flow, Leg};
+use super::modified::{Circumstance, End, ModifiedLaw, ModifiedState, sense};
+use super::monodromy::FORGETS;
+use crate::law::{Scalar, Step};
+
+/// Periods after which a state counts as settled, …
+const PERIODS: usize = 12;
+/// … relative change over a period below which it is, …
+const SETTLED: f64 = 1e-9;
+/// … beside a state (in units of the friction coefficient, or of the memory) that is none.
+const NONE: f64 = 1e-12;
+/// Motion of a contact over one period, one value a sample; all series are equally long.
+#[derive(Clone, Copy, Debug)]
+pub struct Periodic<'a> {
+    /// Slip (m).
+    pub slip: &'a [f64],
+    /// Slip velocity (m/s).
+    pub velocity: &'a [f64],
+    /// Normal force (N).
+    pub normal: &'a [f64],
+    /// Force that a rigid contact takes as long as it holds (N); empty where the contact yields.
+    pub trial: &'a [f64],
+    /// Duration between two samples (s).
+    pub dt: f64,
+    /// Preload (N).
+    pub preload: f64,
+    /// Place of the run between the first (0) and the last (1).
+    pub progress: f64,
+    /// Line of the base frequency with which the preload is modulated, where the law has that.
+    pub modulation: usize,
+}
+
+impl Periodic<'_> {
+    /// The sample after the `k`-th: the first after the last.
+    #[must_use]
+    pub fn next(&self, k: usize) -> usize {
+        if k + 1 < self.slip.len() { k + 1 } else { 0 }
+    }
+
+    /// The step from the `k`-th sample to the next.
+    #[must_use]
+    pub fn step(&self, k: usize) -> Step<f64> {
+        let ends = |series: &[f64]| [series[k], series[self.next(k)]];
+        Step { slip: ends(self.slip), velocity: ends(self.velocity), normal: ends(self.normal), dt: self.dt }
+    }
+
+    /// What a law needs to know of that step beside its motion.
+    #[must_use]
+    pub fn circumstance<T: Scalar>(&self, law: &ModifiedLaw<T>, k: usize) -> Circumstance {
+        let modulated = law.on(Hook::ModulationCosine);
+        let phase = if modulated { [self.phase(k), self.phase(self.next(k))] } else { [[1.0, 0.0]; 2] };
+        Circumstance { preload: self.preload, progress: self.progress, phase }
+    }
+
+    fn phase(&self, k: usize) -> [f64; 2] {
+        let samples = self.slip.len();
+        let angle = std::f64::consts::TAU * (self.modulation * k % samples) as f64 / samples as f64;
+        [angle.cos(), angle.sin()]
+    }
+
+    /// Whether a law is set-valued at rest along this motion.
+    #[must_use]
+    pub fn is_rigid<T: Scalar>(&self, law: &ModifiedLaw<T>) -> bool {
+        !self.trial.is_empty() && !law.yields()
+    }
+}
+
+/// A settled bristle: deflection after every step, and the friction coefficient there.
+struct Rubbed {
+    start: f64,
+    deflection: Vec<f64>,
+    friction: Vec<f64>,
+}
+
+impl ModifiedLaw<f64> {
+    /// Writes the settled force (N) at every sample of a motion; the state with which its period begins. A contact that never
+    /// forgets is as it comes from rest along its virgin curve.
+    pub fn settle(&self, along: &Periodic<'_>, force: &mut [f64]) -> ModifiedState<f64> {
+        if along.is_rigid(self) {
+            return self.settle_rigid(along, force);
+        }
+        let samples = along.slip.len();
+        let virgin = Step {
+            slip: [0.0, along.slip[0]],
+            velocity: [along.velocity[0]; 2],
+            normal: [along.normal[0]; 2],
+            dt: along.dt,
+        };
+        let (begun, _) = self.advance(self.rest_at(0.0), &virgin, &along.circumstance(self, samples - 1));
+        let [b, memory, engaged, lagged] = begun.0;
+        let (mut legs, of_step, engaged) = self.legs(along, engaged);
+        let recalled = |memory: f64| legs.iter_mut().fold(memory, |memory, leg| leg.recall(self, memory));
+        let memory = if self.remembers() { close(memory, recalled) } else { memory };
+        let rubbed = self.rub(along, (&legs, &of_step), b);
+        let circumstance = along.circumstance(self, 0);
+        let shares = !self.on(Hook::Backlash);
+        for (k, &last) in of_step.iter().enumerate() {
+            let (next, leg) = (along.next(k), &legs[last]);
+            let velocity = along.velocity[next];
+            let normal = self.pressed(along, next);
+            let end = End { memory: leg.ends[2].memory, ..self.place(along.slip[next], (velocity, normal)) };
+            let known = shares && leg.sign == sense(velocity);
+            let friction = || {
+                if known { rubbed.friction[k] } else { self.friction(&end, sense(velocity), &circumstance) }
+            };
+            force[next] = self.force(rubbed.deflection[k], &end, velocity, friction);
+        }
+        let lagged = if self.on(Hook::ForceLag) { self.settle_lag(along, force, lagged) } else { lagged };
+        ModifiedState([rubbed.start, memory, engaged, lagged])
+    }
+
+    /// Normal force at a sample, with the modulation of the preload.
+    fn pressed(&self, along: &Periodic<'_>, k: usize) -> f64 {
+        if !self.on(Hook::ModulationCosine) {
+            return along.normal[k];
+        }
+        self.modulated(along.normal[k], along.phase(k), along.preload)
+    }
+
+    /// The monotone stretches of the period, the last one of every step, and the engaged slip at its start.
+    fn legs(&self, along: &Periodic<'_>, mut engaged: f64) -> (Vec<Leg<f64>>, Vec<usize>, f64) {
+        let samples = along.slip.len();
+        if self.on(Hook::Backlash) {
+            // One period of a given slip leads its play where every later one does.
+            engaged = along
+                .slip
+                .iter()
+                .skip(1)
+                .chain(along.slip.first())
+                .fold(engaged, |x, u| self.engage(x, *u).0);
+        }
+        let begun = engaged;
+        let mut legs: Vec<Leg<f64>> = Vec::with_capacity(samples + 16);
+        let mut of_step = Vec::with_capacity(samples);
+        let mut from = self.pressed(along, 0);
+        for k in 0..samples {
+            let to = self.pressed(along, along.next(k));
+            let (motion, caught) = self.motion(engaged, &along.step(k), [from, to]);
+            (engaged, from) = (caught, to);
+            let (first, second) = motion.cut();
+            for part in std::iter::once(first).chain(second) {
+                let before = legs.last().filter(|leg| !self.on(Hook::Backlash) && leg.sign == part.sign());
+                let start = before.map(|leg| leg.ends[2]);
+                legs.push(Leg::new(self, part, start));
+            }
+            of_step.push(legs.len() - 1);
+        }
+        (legs, of_step, begun)
+    }
+
+    /// Settles the deflection, from `b`.
+    fn rub(&self, along: &Periodic<'_>, (legs, of_step): (&[Leg<f64>], &[usize]), b: f64) -> Rubbed {
+        let circumstance = along.circumstance(self, 0);
+        let mut friction = Vec::with_capacity(legs.len());
+        let mut flows: Vec<Flow<f64>> = Vec::with_capacity(legs.len());
+        let mut before: Option<(f64, f64)> = None;
+        for leg in legs {
+            let known = before.filter(|(sign, _)| !self.on(Hook::Backlash) && *sign == leg.sign);
+            let along = leg.friction(self, &circumstance, known.map(|(_, mu)| mu));
+            before = Some((leg.sign, along[2]));
+            friction.push(along[2]);
+            flows.push(leg.flow(self, along));
+        }
+        let mut deflection = vec![0.0; of_step.len()];
+        let mut period = |start: f64, over: &dyn Fn(usize, f64) -> f64| {
+            let (mut b, mut from) = (start, 0);
+            for (reached, &last) in deflection.iter_mut().zip(of_step) {
+                b = (from..=last).fold(b, |b, leg| over(leg, b));
+                (*reached, from) = (b, last + 1);
+            }
+            b
+        };
+        let start = if self.is_linear() {
+            let map = |flow: &Flow<f64>| {
+                let added = flow.over(self, 0.0);
+                [added, flow.over(self, 1.0) - added]
+            };
+            let maps: Vec<[f64; 2]> = flows.iter().map(map).collect();
+            let after = |[added, kept]: [f64; 2], [a, k]: &[f64; 2]| [a + k * added, k * kept];
+            let [added, kept] = maps.iter().fold([0.0, 1.0], after);
+            let start = if 1.0 - kept > FORGETS { added / (1.0 - kept) } else { b };
+            period(start, &|leg, b| maps[leg][0] + maps[leg][1] * b)
+        } else {
+            close(b, |b| period(b, &|leg, b| flows[leg].over(self, b)))
+        };
+        Rubbed { start, deflection, friction: of_step.iter().map(|&leg| friction[leg]).collect() }
+    }
+
+    /// Replaces a settled force by the one that lags behind it; its value at the start of the period.
+    fn settle_lag(&self, along: &Periodic<'_>, force: &mut [f64], lagged: f64) -> f64 {
+        let mut late = vec![0.0; force.len()];
+        let start = close(lagged, |lagged| {
+            (0..force.len()).fold(lagged, |lagged, k| {
+                let next = along.next(k);
+                late[next] = self.lag(lagged, [force[k], force[next]], along.dt);
+                late[next]
+            })
+        });
+        force.copy_from_slice(&late);
+        start
+    }
+
+    /// A rigid contact: but for its memory it has no state.
+    fn settle_rigid(&self, along: &Periodic<'_>, force: &mut [f64]) -> ModifiedState<f64> {
+        let circumstance = along.circumstance(self, 0);
+        let mut places: Vec<End<f64>> = (0..along.slip.len())
+            .map(|k| {
+                let velocity = along.velocity[k];
+                let place = self.place(along.slip[k], (velocity, self.pressed(along, k)));
+                self.followed(place, sense(velocity))
+            })
+            .collect();
+        let mut memory = self.rest_at(0.0).0[1];
+        if self.remembers() {
+            memory = close(memory, |memory| {
+                (0..along.slip.len()).fold(memory, |memory, k| {
+                    let next = along.next(k);
+                    places[next].memory = self.remember(memory, &places[k], &places[next], along.dt);
+                    places[next].memory
+                })
+            });
+        }
+        let mut b = 0.0;
+        for (k, place) in places.iter().enumerate() {
+            let held = self.hold(place, (along.velocity[k], along.trial[k]), &circumstance);
+            if k == 0 {
+                b = held.0;
+            }
+            force[k] = held.1;
+        }
+        ModifiedState([b, memory, along.slip[0], 0.0])
+    }
+}
+
+/// The fixed point of a period, from a start.
+fn close(mut state: f64, mut period: impl FnMut(f64) -> f64) -> f64 {
+    let mut before: Option<f64> = None;
+    for left in (0..PERIODS).rev() {
+        let old = state;
+        state = period(old);
+        let change = state - old;
+        if change.abs() <= SETTLED * (NONE + state.abs()) {
+            break;
+        }
+        // Slow memory closes geometrically: Aitken's extrapolation, not in the last period.
+        before = match before {
+            Some(last) if left > 0 => {
+                let ratio = change / last;
+                if ratio.is_finite() && ratio.abs() < 0.999 {
+                    state += change * ratio / (1.0 - ratio);
+                }
+                None
+            }
+            _ => Some(change),
+        };
+    }
+    state
+}
