@@ -96,7 +96,7 @@ pub(super) fn approach<'a>(
     }
     kept.factor = None;
     kept.unknowns = recover(e);
-    let begun = balanced.at(&kept.unknowns, &mut e.grid.scratch()).1;
+    let begun = balanced.at(&kept.unknowns, &mut e.grid.scratch()).difference;
     let (mut level, mut stride) = (0.0, STRIDE[0]);
     let mut last = kept.unknowns.clone();
     while level < 1.0 {
@@ -124,15 +124,55 @@ struct Balanced<'a, 'b> {
     offset: &'a [f64],
 }
 
+/// State at some forces, their imbalance, and its largest effect in standard deviations.
+struct Imbalance {
+    state: State,
+    difference: Vec<f64>,
+    left: f64,
+}
+
 impl Balanced<'_, '_> {
-    /// State and imbalance at the given forces.
-    fn at(&self, unknowns: &[f64], scratch: &mut GridScratch) -> (State, Vec<f64>) {
+    fn at(&self, unknowns: &[f64], scratch: &mut GridScratch) -> Imbalance {
         let state = self.e.evaluate(unknowns, scratch);
         let answer = self.e.answer(&state, scratch);
         let mut difference: Vec<f64> = unknowns.iter().zip(&answer).map(|(x, a)| x - a).collect();
         difference.iter_mut().zip(self.offset).for_each(|(d, offset)| *d -= offset);
-        (state, difference)
+        let left = imbalance(self.e, &difference);
+        Imbalance { state, difference, left }
     }
+}
+
+/// Rank-one updates of a kept factor along the steps of a solve (Broyden's good method): with the step `s` and the change `y` of
+/// the imbalance, `H ← (I + u sᵀ) H`, `u = (s − Hy)/(sᵀHy)`, so that `Hy = s`.
+#[derive(Default)]
+struct Updates(Vec<[Vec<f64>; 2]>);
+
+impl Updates {
+    /// Applies them to what the factor made of a vector.
+    fn apply(&self, x: &mut [f64]) {
+        for [u, s] in &self.0 {
+            let along = inner(s, x);
+            x.iter_mut().zip(u).for_each(|(x, u)| *x += along * u);
+        }
+    }
+
+    /// Learns that the step `s` changed what the factor makes of the imbalance by `moved`.
+    fn learn(&mut self, s: Vec<f64>, mut moved: Vec<f64>) {
+        self.apply(&mut moved);
+        let along = inner(&s, &moved);
+        // A step that the imbalance hardly answers to says nothing safe of the derivative.
+        if along.abs() > LEARNT * inner(&s, &s) {
+            let u = s.iter().zip(&moved).map(|(s, h)| (s - h) / along).collect();
+            self.0.push([u, s]);
+        }
+    }
+}
+
+/// Share of a step that must be found again in its effect for an update of the factor.
+const LEARNT: f64 = 0.1;
+
+fn inner(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Newton's method from the kept forces; they are cleared where it fails.
@@ -140,12 +180,13 @@ fn newton(balanced: &Balanced<'_, '_>, kept: &mut RunMemory, tolerance: f64) -> 
     let e = balanced.e;
     let mut scratch = e.grid.scratch();
     let tolerance = if e.rigid() { RIGID * tolerance } else { tolerance };
-    let mut best = f64::INFINITY;
-    let mut fresh = false;
-    let mut stale = 0;
+    let mut updates = Updates::default();
+    let mut at = balanced.at(&kept.unknowns, &mut scratch);
+    let (mut best, mut slow, mut stale) = (f64::INFINITY, 0, 0);
+    // What the factor makes of the imbalance before the last step.
+    let mut before: Option<(Vec<f64>, Vec<f64>)> = None;
     for _ in 0..40 {
-        let (state, difference) = balanced.at(&kept.unknowns, &mut scratch);
-        let left = imbalance(e, &difference);
+        let left = at.left;
         if !left.is_finite() {
             kept.unknowns.clear();
             return Err(left);
@@ -153,27 +194,36 @@ fn newton(balanced: &Balanced<'_, '_>, kept: &mut RunMemory, tolerance: f64) -> 
         if left < tolerance {
             return Ok(());
         }
-        let slow = left > 0.3 * best;
         stale = if left < best { 0 } else { stale + 1 };
         if stale > PATIENCE {
             break;
         }
+        slow = if left > 0.3 * best { slow + 1 } else { 0 };
         best = best.min(left);
-        if kept.factor.is_none() || (slow && !fresh) {
-            let factor = factorise(e, &state, &mut scratch);
+        if kept.factor.is_none() || slow > SLOW {
+            let factor = factorise(e, &at.state, &mut scratch);
             kept.factor = Some((factor, Arc::new(kept.unknowns.clone())));
-            fresh = true;
-        } else {
-            fresh = false;
+            (updates, before, slow) = (Updates::default(), None, 0);
         }
         let Some((factor, _)) = &kept.factor else { return Err(left) };
-        let right = faer::Col::from_fn(difference.len(), |i| difference[i]);
-        let step = faer::linalg::solvers::Solve::solve(factor.as_ref(), &right);
-        descend(balanced, kept, (&step, left), &mut scratch);
+        let right = faer::Col::from_fn(at.difference.len(), |i| at.difference[i]);
+        let solved = faer::linalg::solvers::Solve::solve(factor.as_ref(), &right);
+        let plain: Vec<f64> = solved.iter().copied().collect();
+        if let Some((from, made)) = before.take() {
+            let s = kept.unknowns.iter().zip(&from).map(|(x, old)| x - old).collect();
+            updates.learn(s, plain.iter().zip(&made).map(|(new, old)| new - old).collect());
+        }
+        let mut step = plain.clone();
+        updates.apply(&mut step);
+        before = Some((kept.unknowns.clone(), plain));
+        at = descend(balanced, kept, (&step, left), &mut scratch);
     }
     kept.unknowns.clear();
     Err(best)
 }
+
+/// Steps in a row that leave more than three tenths of the imbalance before the factor is renewed: its updates get that many.
+const SLOW: usize = 2;
 
 fn factorise(e: &Evaluation<'_>, state: &State, scratch: &mut GridScratch) -> Factor {
     Arc::new(Tangent::new(e, state, &[]).jacobian(scratch).partial_piv_lu())
@@ -183,19 +233,49 @@ fn factorise(e: &Evaluation<'_>, state: &State, scratch: &mut GridScratch) -> Fa
 fn descend(
     balanced: &Balanced<'_, '_>,
     kept: &mut RunMemory,
-    (step, left): (&faer::Col<f64>, f64),
+    (step, left): (&[f64], f64),
     scratch: &mut GridScratch,
-) {
+) -> Imbalance {
     let from = kept.unknowns.clone();
     let mut share = 1.0;
-    for _ in 0..6 {
-        for (i, (x, old)) in kept.unknowns.iter_mut().zip(&from).enumerate() {
-            *x = old - share * step[i];
+    loop {
+        for ((x, old), step) in kept.unknowns.iter_mut().zip(&from).zip(step) {
+            *x = old - share * step;
         }
-        let (_, difference) = balanced.at(&kept.unknowns, scratch);
-        if imbalance(balanced.e, &difference) < 1.5 * left {
-            return;
+        let at = balanced.at(&kept.unknowns, scratch);
+        if at.left < 1.5 * left || share < SHORTEST {
+            return at;
         }
         share *= 0.4;
+    }
+}
+
+/// Share of a step that is taken whatever comes of it: the sixth.
+const SHORTEST: f64 = 0.02;
+
+#[cfg(test)]
+mod tests {
+    use super::{Updates, inner};
+
+    /// With the factor 1 of the derivative A = ((2, 1), (0, 4)): after two steps along the axes the updated inverse is that of A,
+    /// `H (A s) = s` for every step.
+    #[test]
+    fn updates_learn_what_the_steps_show() {
+        let derivative = |s: &[f64]| vec![2.0 * s[0] + s[1], 4.0 * s[1]];
+        let steps = [[0.3, 0.0], [0.0, -0.2]];
+        let mut updates = Updates::default();
+        for step in steps {
+            updates.learn(step.to_vec(), derivative(&step));
+        }
+        for step in steps.into_iter().chain([[0.7, -1.1]]) {
+            let mut found = derivative(&step);
+            updates.apply(&mut found);
+            assert!(found.iter().zip(step).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?} {step:?}");
+        }
+        // A step that changed the imbalance across itself only teaches nothing.
+        let across = vec![0.0, 1.0];
+        assert!(inner(&[1.0, 0.0], &across).abs() < f64::EPSILON);
+        updates.learn(vec![1.0, 0.0], across);
+        assert_eq!(updates.0.len(), 2);
     }
 }
