@@ -4,8 +4,11 @@
 use clap::{Args, Parser, Subcommand};
 use frettrace_measurement::write_measurement;
 use std::path::{Path, PathBuf};
-use std::{fs, process::ExitCode};
-use validation::sweep::{self, coverage, judged::judge, made::make, plan, tables};
+use std::process::{Command, ExitCode};
+use std::{fs, time::Duration};
+use validation::sweep::apart::printed;
+use validation::sweep::judged::{Judged, judge};
+use validation::sweep::{self, coverage, made::make, plan, tables};
 use validation::{
     baseline,
     case::{Outcome, Row},
@@ -39,7 +42,20 @@ enum Table {
     /// Splines and forms of the reconstruction
     Splines,
     /// Simulated rigs with a known effect through `explain`: confusion, false alarms, detection limit
-    Sweep(Extent),
+    Sweep {
+        /// Seconds after which a set counts as failed
+        #[arg(long, default_value_t = 600)]
+        limit: u64,
+        #[command(flatten)]
+        extent: Extent,
+    },
+    /// One set of the sweep's plan through `explain`: its line of JSON
+    Judge {
+        /// Name in the plan
+        name: String,
+        #[command(flatten)]
+        drawn: Drawn,
+    },
     /// One set of the sweep's plan as a measurement file with its truth, to look at
     Set {
         /// Name in the plan, as the lines of a sweep have it
@@ -82,6 +98,19 @@ impl Drawn {
     fn plan(&self) -> Vec<plan::Planned> {
         plan::plan(self.seed, self.clean)
     }
+
+    fn set(&self, name: &str) -> anyhow::Result<plan::Planned> {
+        let found = self.plan().into_iter().find(|set| set.name == name);
+        found.ok_or_else(|| anyhow::anyhow!("no set \"{name}\" in the plan of seed {}", self.seed))
+    }
+}
+
+/// The verdict on a set, from this program in another process.
+fn judged_apart(set: &plan::Planned, drawn: &Drawn, limit: u64) -> anyhow::Result<Judged> {
+    let mut program = Command::new(std::env::current_exe()?);
+    let [seed, clean] = [drawn.seed.to_string(), drawn.clean.to_string()];
+    program.args(["judge", &set.name, "--seed", &seed, "--clean", &clean]);
+    Ok(serde_json::from_str(&printed(program, Duration::from_secs(limit))?)?)
 }
 
 fn main() -> anyhow::Result<ExitCode> {
@@ -96,16 +125,18 @@ fn run_table(table: &Table) -> anyhow::Result<String> {
         Table::Bands { rigs, first } => cases::verify_reconstruction_bands::table(*first..first + rigs),
         Table::Hypotheses => cases::verify_mode_hypotheses::table(),
         Table::Splines => cases::compare_splines::table(),
-        Table::Sweep(extent) => {
+        Table::Sweep { limit, extent } => {
             let mut sets = extent.drawn.plan();
             sets.truncate(extent.first);
-            let done = sweep::resume(&extent.output, &sets, |set| &set.name, judge)?;
+            let apart = |set: &plan::Planned| {
+                judged_apart(set, &extent.drawn, *limit).unwrap_or_else(|error| Judged::failed(set, &error))
+            };
+            let done = sweep::resume(&extent.output, &sets, |set| &set.name, apart)?;
             Ok(tables::markdown(&format!("Sweep of explain, seed {}", extent.drawn.seed), &done))
         }
+        Table::Judge { name, drawn } => Ok(serde_json::to_string(&judge(&drawn.set(name)?))? + "\n"),
         Table::Set { name, output, drawn } => {
-            let planned = drawn.plan().into_iter().find(|set| set.name == *name);
-            let planned = planned
-                .ok_or_else(|| anyhow::anyhow!("no set \"{name}\" in the plan of seed {}", drawn.seed))?;
+            let planned = drawn.set(name)?;
             let made = make(&planned)?.simulation;
             write_measurement(output, &made.measurement, Some(&made.truth))?;
             Ok(format!("{planned:#?}\n"))

@@ -121,16 +121,26 @@ fn place(effect: &str) -> Option<Place> {
     })
 }
 
-/// Makes a planned set and asks what it lacks; a failure is an answer too.
+impl Judged {
+    /// A set without an answer; that is one too.
+    #[must_use]
+    pub fn failed(planned: &Planned, error: &anyhow::Error) -> Self {
+        Self {
+            name: planned.name.clone(),
+            effect: planned.formula.and_then(|formula| formula.split('/').next()).map(str::to_owned),
+            left_out: planned.left_out,
+            failure: Some(format!("{error:#}")),
+            ..Self::default()
+        }
+    }
+}
+
+/// Makes a planned set and asks what it lacks.
 #[must_use]
 pub fn judge(planned: &Planned) -> Judged {
-    let failed = |error: anyhow::Error| Judged {
-        name: planned.name.clone(),
-        effect: planned.formula.and_then(|formula| formula.split('/').next()).map(str::to_owned),
-        failure: Some(format!("{error:#}")),
-        ..Judged::default()
-    };
-    make(planned).and_then(|made| answered(planned, &made)).unwrap_or_else(failed)
+    make(planned)
+        .and_then(|made| answered(planned, &made))
+        .unwrap_or_else(|error| Judged::failed(planned, &error))
 }
 
 fn answered(planned: &Planned, made: &Made) -> anyhow::Result<Judged> {
