@@ -7,7 +7,7 @@
 use crate::contact_fit::{LANES, columns};
 use frettrace_fourier::tapered_spectrum;
 use frettrace_friction::effects::{Circumstance, Hook, ModifiedLaw, Reached};
-use frettrace_friction::{Scalar, Step};
+use frettrace_friction::{Gradient, Scalar, Step};
 use nalgebra::DMatrixViewMut;
 use num_complex::Complex64;
 
@@ -130,7 +130,12 @@ impl SeriesContact {
 
     /// Recovered minus answered force over the standard deviations.
     pub fn residual(&self, law: &ModifiedLaw<f64>, out: &mut [f64]) {
-        let answered = Series::amplitudes(&self.answer(law));
+        self.left(&self.answer(law), out);
+    }
+
+    /// Recovered minus the given force over the standard deviations.
+    fn left(&self, force: &[f64], out: &mut [f64]) {
+        let answered = Series::amplitudes(force);
         for (pair, (k, deviation)) in out.chunks_mut(2).zip(&self.bins) {
             let left = (self.measured[*k] - answered[*k]) / *deviation;
             pair.copy_from_slice(&[left.re, left.im]);
@@ -144,12 +149,24 @@ impl SeriesContact {
         hooks: &[(usize, Hook)],
         (residual, jacobian): (&mut [f64], DMatrixViewMut<'_, f64>),
     ) {
-        self.residual(law, residual);
+        let mut plain = Vec::new();
         let whitened = |samples: &[f64]| {
             let bins = Series::amplitudes(samples);
             self.bins.iter().map(|(k, deviation)| bins[*k] / *deviation).collect()
         };
-        columns((law, hooks), (jacobian, LANES), |law| self.answer(law), whitened);
+        let answer = |law: &ModifiedLaw<Gradient<LANES>>| {
+            let force = self.answer(law);
+            // The first march with derivatives is the march as well.
+            if plain.is_empty() {
+                plain = force.iter().map(|f| f.re).collect();
+            }
+            force
+        };
+        columns((law, hooks), (jacobian, LANES), answer, whitened);
+        if plain.is_empty() {
+            plain = self.answer(law);
+        }
+        self.left(&plain, residual);
     }
 
     /// χ² of a law.

@@ -4,11 +4,8 @@
 //! record, whose mean square is `Σ c_k²/(2k + 1)`.
 
 use super::bare::bare;
-use super::{ChannelFault, Channels, HEARD, HEARD_IN_A_RUN};
+use super::{ChannelFault, Channels, DEGREE, HEARD, HEARD_IN_A_RUN};
 use crate::RunSamples;
-
-/// Degree of the drift.
-const DEGREE: usize = 3;
 
 /// Finds drifts and takes them out; their means are left to whoever looks for offsets. What most channels have is a motion that
 /// has not settled.

@@ -1,7 +1,7 @@
 //! Mains hum: a tone of a fixed frequency that is no line of the motion.
 
 use super::bare::{Bare, bare};
-use super::{ChannelFault, Channels, HEARD, HEARD_IN_A_RUN};
+use super::{ChannelFault, Channels, DEGREE, HEARD, HEARD_IN_A_RUN};
 use crate::RunSamples;
 use std::f64::consts::TAU;
 
@@ -21,8 +21,23 @@ struct Tone {
     sensor: usize,
     /// χ² that it explains.
     gain: f64,
+    /// Runs in which it can be told from the lines of the motion, and those of them that hear it by themselves.
+    told: usize,
+    heard: usize,
     /// Cosine and sine amplitude in each run.
     amplitude: Vec<[f64; 2]>,
+}
+
+impl Tone {
+    /// Whether it is in the runs whatever their excitation: most hear it, with the same amplitude. One run alone may hear its own
+    /// motion, where that has no period.
+    fn lasts(&self) -> bool {
+        let mut sizes: Vec<f64> =
+            self.amplitude.iter().map(|a| a[0].hypot(a[1])).filter(|a| *a > 0.0).collect();
+        sizes.sort_by(f64::total_cmp);
+        let n = sizes.len();
+        2 * self.heard > self.told && n > 0 && sizes[(3 * n / 4).min(n - 1)] < STEADY * sizes[n / 4]
+    }
 }
 
 /// Finds hum and takes it out.
@@ -34,13 +49,13 @@ pub(super) fn find(
     let mut faults: Vec<ChannelFault> = Vec::new();
     let claim = HEARD_IN_A_RUN * runs.len() as f64;
     for _ in 0..MOST {
-        let Some(bare) = bare(runs, noise, channels, 0) else { break };
+        let Some(bare) = bare(runs, noise, channels, DEGREE) else { break };
         let mut best: Option<Tone> = None;
         for multiple in 1..=HARMONICS {
             for frequency in MAINS.map(|f| f * multiple as f64) {
                 let tones = tones(&bare, frequency);
-                let heard = tones.iter().filter(|tone| tone.gain > claim).count();
-                if 2 * heard > tones.len() && runs.iter().any(|run| subharmonic(run, frequency)) {
+                let hearing = tones.iter().filter(|tone| tone.gain > claim).count();
+                if 2 * hearing > tones.len() && runs.iter().any(|run| subharmonic(run, frequency)) {
                     continue;
                 }
                 for tone in tones {
@@ -50,7 +65,7 @@ pub(super) fn find(
                 }
             }
         }
-        let Some(tone) = best.filter(|t| t.gain > claim && steady(&t.amplitude)) else { break };
+        let Some(tone) = best.filter(|t| t.gain > claim && t.lasts()) else { break };
         let size = |a: &[f64; 2]| a[0].hypot(a[1]);
         let amplitude = tone.amplitude.iter().map(size).sum::<f64>() / tone.amplitude.len() as f64;
         let noise: f64 = bare.iter().map(|b| b.variance[tone.sensor].sqrt()).sum::<f64>() / bare.len() as f64;
@@ -79,8 +94,9 @@ pub(super) fn find(
 /// The tone of a frequency in every channel, beside the lines of the motion.
 fn tones(bare: &[Bare<'_>], frequency: f64) -> Vec<Tone> {
     let sensors = bare.first().map_or(0, |b| b.residual.len());
-    let mut out: Vec<Tone> =
-        (0..sensors).map(|sensor| Tone { frequency, sensor, gain: 0.0, amplitude: Vec::new() }).collect();
+    let mut out: Vec<Tone> = (0..sensors)
+        .map(|sensor| Tone { frequency, sensor, gain: 0.0, told: 0, heard: 0, amplitude: Vec::new() })
+        .collect();
     for one in bare {
         if frequency > 0.45 * one.run.sampling_rate {
             return Vec::new();
@@ -104,7 +120,10 @@ fn tones(bare: &[Bare<'_>], frequency: f64) -> Vec<Tone> {
             let (c, s) = (dot(cosine, left), dot(sine, left));
             let solution = [(c * ss - s * cs) / determinant, (s * cc - c * cs) / determinant];
             if separable {
-                tone.gain += (solution[0] * c + solution[1] * s) / one.variance[tone.sensor];
+                let gain = (solution[0] * c + solution[1] * s) / one.variance[tone.sensor];
+                tone.gain += gain;
+                tone.told += 1;
+                tone.heard += usize::from(gain > HEARD_IN_A_RUN);
                 tone.amplitude.push(solution);
             } else {
                 tone.amplitude.push([0.0; 2]);
@@ -123,14 +142,6 @@ fn subharmonic(run: &RunSamples<'_>, frequency: f64) -> bool {
         let line = (frequency / base).round();
         line % part != 0.0 && (frequency - line * base).abs() < resolution
     })
-}
-
-/// Whether an amplitude is the same in the runs, as nothing is that the excitation moves.
-fn steady(amplitude: &[[f64; 2]]) -> bool {
-    let mut sizes: Vec<f64> = amplitude.iter().map(|a| a[0].hypot(a[1])).filter(|a| *a > 0.0).collect();
-    sizes.sort_by(f64::total_cmp);
-    let n = sizes.len();
-    n > 0 && sizes[(3 * n / 4).min(n - 1)] < STEADY * sizes[n / 4]
 }
 
 fn take_out(runs: &[RunSamples<'_>], tone: &Tone, channels: &mut Channels) {

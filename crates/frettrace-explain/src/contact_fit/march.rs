@@ -95,7 +95,7 @@ impl Recovered {
 pub(crate) fn columns(
     (law, hooks): (&ModifiedLaw<f64>, &[(usize, Hook)]),
     (mut out, lanes): (DMatrixViewMut<'_, f64>, usize),
-    answer: impl Fn(&ModifiedLaw<Gradient<LANES>>) -> Vec<Gradient<LANES>>,
+    mut answer: impl FnMut(&ModifiedLaw<Gradient<LANES>>) -> Vec<Gradient<LANES>>,
     whitened: impl Fn(&[f64]) -> Vec<Complex64>,
 ) {
     for block in hooks.chunks(lanes) {

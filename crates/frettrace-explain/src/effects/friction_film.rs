@@ -33,7 +33,7 @@ impl Effect for FrictionFilm {
         let mut forms = Vec::new();
         for speed in [0.2, 0.7] {
             for share in [0.03, 0.2] {
-                let film = |falls: bool, smooth: bool| {
+                let film = |shapes: &[(Hook, f64, (f64, f64))], falls: bool| {
                     let mut changes = vec![
                         Change::between(Hook::FilmLoss, 0.2, (0.0, 0.95)),
                         Change::positive(Hook::FilmVelocity, speed * scales.velocity, 1e-2),
@@ -42,14 +42,15 @@ impl Effect for FrictionFilm {
                     if falls {
                         changes.push(Change::positive(Hook::FilmFall, share * scales.period, 1e-4));
                     }
-                    if smooth {
-                        changes.push(Change::between(Hook::FilmExponent, 1.0, (0.3, 4.0)));
-                    }
+                    let shape = |&(hook, start, bounds)| Change::between(hook, start, bounds);
+                    changes.extend(shapes.iter().map(shape));
                     ContactForm::new(changes)
                 };
-                forms.extend([film(true, false), film(true, true)]);
+                let [smooth, blended] =
+                    [(Hook::FilmExponent, 1.0, (0.3, 4.0)), (Hook::FilmRational, 0.5, (0.0, 1.0))];
+                forms.extend([film(&[], true), film(&[smooth], true)]);
                 if share > 0.1 {
-                    forms.push(film(false, true));
+                    forms.extend([film(&[], false), film(&[smooth, blended], true)]);
                 }
             }
         }

@@ -35,11 +35,18 @@ impl<T: Scalar> ModifiedLaw<T> {
         lift(value, partials, [speed, velocity, delta, share])
     }
 
-    /// Film thickness that belongs to a steady speed, `min(|v|/v_b, 1)^{2/3}`, or `1 − exp(−(|v|/v_b)^p)`.
+    /// Film thickness that belongs to a steady speed, `min(x, 1)^{2/3}` with `x = |v|/v_b`, or `1 − exp(−x^p)`, of which a share may be
+    /// `x^p/(1 + x^p)`.
     pub(super) fn steady_film(&self, speed: T) -> T {
         let x = speed / self.at(Hook::FilmVelocity) + 1e-9;
         if self.on(Hook::FilmExponent) {
-            return -(-(x.ln() * self.at(Hook::FilmExponent)).exp()).exp() + 1.0;
+            let power = (x.ln() * self.at(Hook::FilmExponent)).exp();
+            let missing = (-power).exp();
+            if !self.on(Hook::FilmRational) {
+                return -missing + 1.0;
+            }
+            let rational = (power + 1.0).recip();
+            return -(missing + (rational - missing) * self.at(Hook::FilmRational)) + 1.0;
         }
         if x.re() < 1.0 { (x.ln() * (2.0 / 3.0)).exp() } else { T::from(1.0) }
     }

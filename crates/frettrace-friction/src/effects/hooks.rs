@@ -1,7 +1,7 @@
 //! The parameters of the modified law.
 
 /// Number of hooks.
-pub const HOOKS: usize = 52;
+pub const HOOKS: usize = 53;
 
 /// A parameter of [`ModifiedLaw`](super::ModifiedLaw): those of the declared laws first, then those of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -111,6 +111,8 @@ pub enum Hook {
     LagSaturation,
     /// Steepness `κ` of the modulation of the preload, `tanh(κ cos ψ)/tanh κ` in place of `cos ψ`.
     ModulationSteepness,
+    /// Share of a rational approach `x^p/(1 + x^p)`, `x = |v|/v_b`, of the film's thickness beside the exponential one.
+    FilmRational,
 }
 
 impl Hook {
@@ -168,6 +170,7 @@ impl Hook {
         Self::ViscousReference,
         Self::LagSaturation,
         Self::ModulationSteepness,
+        Self::FilmRational,
     ];
 
     /// Value at which the hook adds nothing, where it measures the size of an effect; `None` for shapes, times and scales.
@@ -250,6 +253,7 @@ impl Hook {
             Self::NormalCurvature => ("normal_curvature", "1"),
             Self::WearExponent => ("wear_exponent", "1"),
             Self::FilmExponent => ("film_exponent", "1"),
+            Self::FilmRational => ("film_rational_share", "1"),
             Self::AgeingSaturation => ("ageing_saturation", "1"),
             Self::PositionCube => ("position_cube", "1/m^3"),
             Self::AsymmetryVelocity => ("asymmetry_velocity", "m/s"),

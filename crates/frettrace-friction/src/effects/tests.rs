@@ -100,6 +100,17 @@ fn neutral_shapes_change_nothing() {
             1e-12,
         ),
         (vec![(Hook::Sigma1, 0.01), (Hook::DampingVelocity, 1.0)], Hook::DampingRational, 0.0, 1e-12),
+        (
+            vec![
+                (Hook::FilmLoss, 0.3),
+                (Hook::FilmRise, 0.05),
+                (Hook::FilmVelocity, 1.0),
+                (Hook::FilmExponent, 0.8),
+            ],
+            Hook::FilmRational,
+            0.0,
+            1e-12,
+        ),
     ];
     for (effect, shape, value, tolerance) in neutral {
         let mut law: ModifiedLaw<f64> = ModifiedLaw::dahl(3.0, 0.4);
