@@ -40,8 +40,6 @@ pub(crate) const LEAST_LEFT: usize = 3;
 const LOUD: f64 = 1.15;
 /// χ² per run that a drift or a tone must explain in a channel.
 const HEARD_IN_A_RUN: f64 = 40.0;
-/// Degree of the drift that a channel may have over a record.
-const DEGREE: usize = 3;
 /// Smallest size of a drift or a hum over the noise: half a deviation adds an eighth to a quarter to the power of the noise.
 const HEARD: f64 = 0.5;
 /// Standard errors by which the mean of a channel must differ from nothing to be an offset.

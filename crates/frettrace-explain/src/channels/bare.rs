@@ -7,6 +7,8 @@ use std::f64::consts::TAU;
 
 /// Most lines that are taken out.
 const LINES: usize = 80;
+/// Degree of the drift that a channel may have over a record.
+const DEGREE: usize = 3;
 
 /// A run with its lines taken out.
 pub(super) struct Bare<'a> {
@@ -20,12 +22,11 @@ pub(super) struct Bare<'a> {
     pub(super) drift: Vec<Vec<f64>>,
 }
 
-/// All runs without their lines and without a drift of the given degree; `None` where one of them cannot be projected.
+/// All runs without their lines and without their drift; `None` where one of them cannot be projected.
 pub(super) fn bare<'a>(
     runs: &'a [RunSamples<'a>],
     noise: Option<&[f64]>,
     channels: &Channels,
-    drift: usize,
 ) -> Option<Vec<Bare<'a>>> {
     let mut out = Vec::with_capacity(runs.len());
     for (run, signals) in runs.iter().zip(&channels.signal) {
@@ -40,7 +41,7 @@ pub(super) fn bare<'a>(
         let base = refine(coarse, &[run.force]).ok()?.base;
         let highest = (0.8 * std::f64::consts::PI * run.sampling_rate / base) as usize;
         let order = highest.min(LINES).min(samples / 4).max(1);
-        let projector = Projector::new(Lines { base, order, drift, ..coarse }).ok()?;
+        let projector = Projector::new(Lines { base, order, drift: DEGREE, ..coarse }).ok()?;
         let projected = signals.iter().map(|x| projector.project(x)).collect::<Result<Vec<_>, _>>().ok()?;
         let variance = projected
             .iter()

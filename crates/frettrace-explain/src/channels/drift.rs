@@ -4,7 +4,7 @@
 //! record, whose mean square is `Σ c_k²/(2k + 1)`.
 
 use super::bare::bare;
-use super::{ChannelFault, Channels, DEGREE, HEARD, HEARD_IN_A_RUN};
+use super::{ChannelFault, Channels, HEARD, HEARD_IN_A_RUN};
 use crate::RunSamples;
 
 /// Finds drifts and takes them out; their means are left to whoever looks for offsets. What most channels have is a motion that
@@ -14,7 +14,7 @@ pub(super) fn find(
     noise: Option<&[f64]>,
     channels: &mut Channels,
 ) -> Vec<ChannelFault> {
-    let Some(bare) = bare(runs, noise, channels, DEGREE) else { return Vec::new() };
+    let Some(bare) = bare(runs, noise, channels) else { return Vec::new() };
     let sensors = bare.first().map_or(0, |b| b.drift.len());
     let mut found: Vec<ChannelFault> = Vec::new();
     for sensor in 0..sensors {

@@ -1,7 +1,7 @@
 //! Mains hum: a tone of a fixed frequency that is no line of the motion.
 
 use super::bare::{Bare, bare};
-use super::{ChannelFault, Channels, DEGREE, HEARD, HEARD_IN_A_RUN};
+use super::{ChannelFault, Channels, HEARD, HEARD_IN_A_RUN};
 use crate::RunSamples;
 use std::f64::consts::TAU;
 
@@ -21,10 +21,9 @@ struct Tone {
     sensor: usize,
     /// χ² that it explains.
     gain: f64,
-    /// Runs in which it can be told from the lines of the motion, and those of them that hear it by themselves.
-    told: usize,
+    /// Runs that hear it by themselves.
     heard: usize,
-    /// Cosine and sine amplitude in each run.
+    /// Cosine and sine amplitude in each run; zero where it cannot be told from the lines of the motion.
     amplitude: Vec<[f64; 2]>,
 }
 
@@ -36,7 +35,7 @@ impl Tone {
             self.amplitude.iter().map(|a| a[0].hypot(a[1])).filter(|a| *a > 0.0).collect();
         sizes.sort_by(f64::total_cmp);
         let n = sizes.len();
-        2 * self.heard > self.told && n > 0 && sizes[(3 * n / 4).min(n - 1)] < STEADY * sizes[n / 4]
+        2 * self.heard > n && sizes[(3 * n / 4).min(n - 1)] < STEADY * sizes[n / 4]
     }
 }
 
@@ -49,7 +48,7 @@ pub(super) fn find(
     let mut faults: Vec<ChannelFault> = Vec::new();
     let claim = HEARD_IN_A_RUN * runs.len() as f64;
     for _ in 0..MOST {
-        let Some(bare) = bare(runs, noise, channels, DEGREE) else { break };
+        let Some(bare) = bare(runs, noise, channels) else { break };
         let mut best: Option<Tone> = None;
         for multiple in 1..=HARMONICS {
             for frequency in MAINS.map(|f| f * multiple as f64) {
@@ -95,7 +94,7 @@ pub(super) fn find(
 fn tones(bare: &[Bare<'_>], frequency: f64) -> Vec<Tone> {
     let sensors = bare.first().map_or(0, |b| b.residual.len());
     let mut out: Vec<Tone> = (0..sensors)
-        .map(|sensor| Tone { frequency, sensor, gain: 0.0, told: 0, heard: 0, amplitude: Vec::new() })
+        .map(|sensor| Tone { frequency, sensor, gain: 0.0, heard: 0, amplitude: Vec::new() })
         .collect();
     for one in bare {
         if frequency > 0.45 * one.run.sampling_rate {
@@ -122,7 +121,6 @@ fn tones(bare: &[Bare<'_>], frequency: f64) -> Vec<Tone> {
             if separable {
                 let gain = (solution[0] * c + solution[1] * s) / one.variance[tone.sensor];
                 tone.gain += gain;
-                tone.told += 1;
                 tone.heard += usize::from(gain > HEARD_IN_A_RUN);
                 tone.amplitude.push(solution);
             } else {

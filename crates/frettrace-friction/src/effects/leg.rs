@@ -10,6 +10,8 @@ use crate::law::{Scalar, Stroke};
 /// A monotone stretch: its start, the place at half its time, its end.
 pub(super) struct Leg<T> {
     motion: Stretch<T>,
+    /// Whether the friction coefficient changes along it.
+    varies: bool,
     pub(super) sign: f64,
     /// Velocity at half time.
     middle: T,
@@ -24,16 +26,17 @@ impl<T: Scalar> Leg<T> {
         let [n0, n1] = motion.normal;
         let sign = motion.sign();
         let end = |slip, velocity, normal| law.followed(law.place(slip, (velocity, normal)), sign);
-        if !law.varies() {
+        let varies = law.varies();
+        if !varies {
             let [start, stop] = [(u0, v0, n0), (u1, v1, n1)].map(|(u, v, n)| law.place(u, (v, n)));
-            return Self { motion, sign, middle: v0, ends: [start, start, stop] };
+            return Self { motion, varies, sign, middle: v0, ends: [start, start, stop] };
         }
         // Hermite interpolant at mid-time: u = ū + (v₀ − v₁)dt/8, v = 3Δu/(2dt) − (v₀ + v₁)/4.
         let bend = (v0 - v1) * motion.dt * 0.125;
         let middle = (u1 - u0) / motion.dt * 1.5 - (v0 + v1) * 0.25;
         let half = end((u0 + u1) * 0.5 + bend, middle, (n0 + n1) * 0.5);
         let ends = [start.unwrap_or_else(|| end(u0, v0, n0)), half, end(u1, v1, n1)];
-        Self { motion, sign, middle, ends }
+        Self { motion, varies, sign, middle, ends }
     }
 
     /// Leads the memory through the stretch; the memory after it.
@@ -41,8 +44,12 @@ impl<T: Scalar> Leg<T> {
         let half = self.motion.dt * 0.5;
         let [start, middle, stop] = &mut self.ends;
         start.memory = memory;
-        middle.memory = if law.varies() { law.remember(memory, start, middle, half) } else { memory };
-        stop.memory = if law.varies() { law.remember(middle.memory, middle, stop, half) } else { memory };
+        if self.varies {
+            middle.memory = law.remember(memory, start, middle, half);
+            stop.memory = law.remember(middle.memory, middle, stop, half);
+        } else {
+            (middle.memory, stop.memory) = (memory, memory);
+        }
         stop.memory
     }
 
@@ -55,7 +62,7 @@ impl<T: Scalar> Leg<T> {
     ) -> [T; 3] {
         let at = |end: &End<T>| law.friction(end, self.sign, circumstance);
         let first = start.unwrap_or_else(|| at(&self.ends[0]));
-        if law.varies() { [first, at(&self.ends[1]), at(&self.ends[2])] } else { [first; 3] }
+        if self.varies { [first, at(&self.ends[1]), at(&self.ends[2])] } else { [first; 3] }
     }
 
     /// How the deflection moves under the given friction coefficients.
@@ -63,7 +70,7 @@ impl<T: Scalar> Leg<T> {
         let [start, middle, stop] = &self.ends;
         let part = |mu: [T; 2], slip, normal| Part { mu, slip, normal };
         let travel = self.motion.slip[1] - self.motion.slip[0];
-        if !law.varies() {
+        if !self.varies {
             return Flow::Whole(part([friction[0]; 2], travel, start.normal));
         }
         let stepwise = [Hook::SeriesCompliance, Hook::BreakawayShape, Hook::FlowPower];
@@ -167,6 +174,11 @@ impl<T: Scalar> ModifiedLaw<T> {
     /// The same with what the memory follows there, where the motion has the given sense.
     pub(super) fn followed(&self, place: End<T>, sign: f64) -> End<T> {
         End { target: self.target(place.speed, sign), ..place }
+    }
+
+    /// Whether a stretch begins as the one before it ended; where play is caught the velocity of the bristle jumps.
+    pub(super) fn joins(&self) -> bool {
+        !self.on(Hook::Backlash)
     }
 
     /// Whether the deflection after a stretch is a linear function of that before it.

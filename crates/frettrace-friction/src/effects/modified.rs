@@ -223,9 +223,8 @@ impl<T: Scalar> ModifiedLaw<T> {
         let normal = self.pressing(step, circumstance);
         let [b, memory, engaged, lagged] = state.0;
         let (motion, caught) = self.motion(engaged, step, normal);
-        if self.on(Hook::Backlash) {
-            // Where play is caught the velocity of the bristle jumps.
-            reached.0 = None;
+        if !self.joins() {
+            *reached = Reached::default();
         }
         let (first, second) = motion.cut();
         let mut rubbed = self.stretch((b, memory), first, (circumstance, &mut *reached));
@@ -238,9 +237,8 @@ impl<T: Scalar> ModifiedLaw<T> {
             let friction = || known.unwrap_or_else(|| self.friction(&end, sense(velocity), circumstance));
             self.force(b, &end, velocity, friction)
         };
-        let known =
-            reached.0.filter(|(sign, ..)| !self.on(Hook::Backlash) && *sign == sense(step.velocity[1]));
-        let mut answer = force(1, rubbed, known.map(|(.., friction)| friction));
+        let known = reached.towards(sense(step.velocity[1])).filter(|_| self.joins());
+        let mut answer = force(1, rubbed, known.map(|(_, friction)| friction));
         let mut new_lagged = lagged;
         if self.on(Hook::ForceLag) {
             new_lagged = self.lag(lagged, [force(0, (b, memory), None), answer], T::from(step.dt));
@@ -261,10 +259,10 @@ impl<T: Scalar> ModifiedLaw<T> {
         motion: Stretch<T>,
         (circumstance, reached): (&Circumstance, &mut Reached<T>),
     ) -> (T, T) {
-        let known = reached.0.filter(|(sign, ..)| *sign == motion.sign());
-        let mut leg = Leg::new(self, motion, known.map(|(_, end, _)| end));
+        let known = reached.towards(motion.sign());
+        let mut leg = Leg::new(self, motion, known.map(|(end, _)| end));
         let memory = leg.recall(self, memory);
-        let friction = leg.friction(self, circumstance, known.map(|(.., friction)| friction));
+        let friction = leg.friction(self, circumstance, known.map(|(_, friction)| friction));
         reached.0 = Some((leg.sign, leg.ends[2], friction[2]));
         (leg.flow(self, friction).over(self, b), memory)
     }
@@ -273,6 +271,13 @@ impl<T: Scalar> ModifiedLaw<T> {
 /// Where a motion has come to: its sense, its place, and the friction coefficient there.
 #[derive(Clone, Copy)]
 pub struct Reached<T>(Option<(f64, End<T>, T)>);
+
+impl<T: Copy> Reached<T> {
+    /// The place and the friction coefficient there, for a motion that goes on in the same sense.
+    fn towards(&self, sign: f64) -> Option<(End<T>, T)> {
+        self.0.filter(|(sense, ..)| *sense == sign).map(|(_, end, friction)| (end, friction))
+    }
+}
 
 impl<T> Default for Reached<T> {
     fn default() -> Self {

@@ -18,7 +18,7 @@ const PERIODS: usize = 12;
 const SETTLED: f64 = 1e-9;
 /// … beside a state (in units of the friction coefficient, or of the memory) that is none.
 const NONE: f64 = 1e-12;
-/// Motion of a contact over one period, one value a sample; all series are equally long.
+/// Motion of a contact over one period, one value a sample; the series are equally long and not empty.
 #[derive(Clone, Copy, Debug)]
 pub struct Periodic<'a> {
     /// Slip (m).
@@ -102,13 +102,12 @@ impl ModifiedLaw<f64> {
         let memory = if self.remembers() { close(memory, recalled) } else { memory };
         let rubbed = self.rub(along, (&legs, &of_step), b);
         let circumstance = along.circumstance(self, 0);
-        let shares = !self.on(Hook::Backlash);
         for (k, &last) in of_step.iter().enumerate() {
             let (next, leg) = (along.next(k), &legs[last]);
             let velocity = along.velocity[next];
             let normal = self.pressed(along, next);
             let end = End { memory: leg.ends[2].memory, ..self.place(along.slip[next], (velocity, normal)) };
-            let known = shares && leg.sign == sense(velocity);
+            let known = self.joins() && leg.sign == sense(velocity);
             let friction = || {
                 if known { rubbed.friction[k] } else { self.friction(&end, sense(velocity), &circumstance) }
             };
@@ -148,7 +147,7 @@ impl ModifiedLaw<f64> {
             (engaged, from) = (caught, to);
             let (first, second) = motion.cut();
             for part in std::iter::once(first).chain(second) {
-                let before = legs.last().filter(|leg| !self.on(Hook::Backlash) && leg.sign == part.sign());
+                let before = legs.last().filter(|leg| self.joins() && leg.sign == part.sign());
                 let start = before.map(|leg| leg.ends[2]);
                 legs.push(Leg::new(self, part, start));
             }
@@ -164,7 +163,7 @@ impl ModifiedLaw<f64> {
         let mut flows: Vec<Flow<f64>> = Vec::with_capacity(legs.len());
         let mut before: Option<(f64, f64)> = None;
         for leg in legs {
-            let known = before.filter(|(sign, _)| !self.on(Hook::Backlash) && *sign == leg.sign);
+            let known = before.filter(|(sign, _)| self.joins() && *sign == leg.sign);
             let along = leg.friction(self, &circumstance, known.map(|(_, mu)| mu));
             before = Some((leg.sign, along[2]));
             friction.push(along[2]);
