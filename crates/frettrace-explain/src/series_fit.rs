@@ -79,6 +79,14 @@ impl Series {
         force
     }
 
+    /// Force (N) that a rigid contact takes as long as it holds: `F + R v`, with the resistance `R` that makes errors of force and
+    /// velocity count by the same share of what they are errors of.
+    fn trial(&self) -> Vec<f64> {
+        let size = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
+        let resistance = (size(&self.force) / size(&self.velocity).max(f64::MIN_POSITIVE)).sqrt();
+        self.force.iter().zip(&self.velocity).map(|(force, v)| force + resistance * v).collect()
+    }
+
     /// Amplitudes of a signal of the series in the bins of what is kept of it, tapered: its first [`Self::SETTLING`] is left out.
     #[must_use]
     pub fn amplitudes(signal: &[f64]) -> Vec<Complex64> {
@@ -92,6 +100,9 @@ const ACCURACY: f64 = 0.01;
 /// A run ready for comparison.
 pub(crate) struct SeriesContact {
     series: Series,
+    /// Recovered force with the velocity's share, which a rigid contact takes as long as it holds; empty where the contact
+    /// yields.
+    trial: Vec<f64>,
     circumstance: Circumstance,
     /// Bins compared: index and standard deviation.
     bins: Vec<(usize, f64)>,
@@ -99,10 +110,16 @@ pub(crate) struct SeriesContact {
 }
 
 impl SeriesContact {
-    /// Prepares the last `most` samples of a run; `None` where no bin of its force is known.
-    pub fn new(series: &Series, (preload, progress): (f64, f64), most: usize) -> Option<Self> {
+    /// Prepares the last `most` samples of a run, of a contact that is `rigid` or yields; `None` where no bin of its force is
+    /// known.
+    pub fn new(
+        series: &Series,
+        (preload, progress): (f64, f64),
+        (rigid, most): (bool, usize),
+    ) -> Option<Self> {
         let whole = series.force.len();
         let series = series.last(most);
+        let trial = if rigid { series.trial() } else { Vec::new() };
         let share = series.force.len() as f64 / whole.max(1) as f64;
         let measured = Series::amplitudes(&series.force);
         // Bins of a part lie farther apart than those of the record, and noise is larger in them.
@@ -116,11 +133,12 @@ impl SeriesContact {
         let least = ACCURACY * (0.5 * size / known.len().max(1) as f64).sqrt();
         let bins = known.iter().map(|&k| (k, deviation(k).hypot(least))).collect::<Vec<_>>();
         let circumstance = Circumstance { preload, progress, ..Circumstance::default() };
-        (!bins.is_empty()).then_some(Self { series, circumstance, bins, measured })
+        (!bins.is_empty()).then_some(Self { series, trial, circumstance, bins, measured })
     }
 
     fn answer<T: Scalar>(&self, law: &ModifiedLaw<T>) -> Vec<T> {
-        self.series.answer(law, &self.circumstance, None)
+        let holds = !self.trial.is_empty() && !law.yields();
+        self.series.answer(law, &self.circumstance, holds.then_some(&self.trial[..]))
     }
 
     /// Number of real residuals.
@@ -212,6 +230,7 @@ mod tests {
         };
         let blank = SeriesContact {
             series: found.clone(),
+            trial: Vec::new(),
             circumstance: Circumstance::default(),
             bins: Vec::new(),
             measured: Vec::new(),
@@ -231,10 +250,62 @@ mod tests {
         falling.set(Hook::StribeckExponent, 2.0);
         // A part begins with another state than at rest; its first tenth, a period of the motion, wears that off.
         for (most, rest) in [(4096, 1e-9), (1024, 1e-3)] {
-            let contact = SeriesContact::new(&series(&falling), (20.0, 0.0), most).unwrap();
+            let contact = SeriesContact::new(&series(&falling), (20.0, 0.0), (false, most)).unwrap();
             assert!(contact.error(&falling) < rest, "{}", contact.error(&falling));
             assert!(contact.error(&plain) > 0.05, "{}", contact.error(&plain));
             assert!(contact.cost(&plain) > 20.0 * contact.count() as f64);
         }
+    }
+
+    /// A rigid contact under two incommensurable tones that holds whatever is slower than a fifth of the largest speed, and takes a
+    /// ramp of force from one slide to the next meanwhile. Its velocity is known to a hundredth: sliding tells the law to that
+    /// share of its rise, holding nothing. A bristle stiff enough to hold turns the same hundredth of the slip into half the force.
+    #[test]
+    fn a_rigid_contact_takes_the_recovered_force_where_it_holds() {
+        let (dt, n, load) = (1.0 / 4096.0, 8192, 20.0);
+        let mut law: ModifiedLaw<f64> = ModifiedLaw::dahl(1e7, 0.25);
+        let plain = law;
+        law.set(Hook::StribeckRise, 0.15);
+        law.set(Hook::StribeckVelocity, 2e-2);
+        law.set(Hook::StribeckExponent, 2.0);
+        let tone = |hertz: f64, k: usize| (std::f64::consts::TAU * hertz * k as f64 * dt).sin();
+        let driven = |k: usize| 0.05 * (tone(20.0, k) + 0.6 * tone(13.7, k));
+        let velocity: Vec<f64> =
+            (0..n).map(|k| driven(k)).map(|v: f64| v.signum() * (v.abs() - 0.016).max(0.0)).collect();
+        let slides = |v: f64| load * (0.25 + 0.15 * (-(v / 2e-2).powi(2)).exp()) * v.signum();
+        let mut force: Vec<f64> =
+            velocity.iter().map(|&v| if v == 0.0 { f64::NAN } else { slides(v) }).collect();
+        let mut last = (0, 0.0);
+        for k in 0..n {
+            if force[k].is_finite() || k + 1 == n {
+                let end = if force[k].is_finite() { force[k] } else { 0.0 };
+                for between in last.0 + 1..k {
+                    let share = (between - last.0) as f64 / (k - last.0) as f64;
+                    force[between] = last.1 + share * (end - last.1);
+                }
+                (force[k], last) = (end, (k, end));
+            }
+        }
+        force[0] = 0.0;
+        let off = |k: usize| 0.01 * 0.08 * tone(31.3, k);
+        let mut slip = vec![0.0; n];
+        for k in 1..n {
+            slip[k] = slip[k - 1] + dt * 0.5 * (velocity[k] + velocity[k - 1] + off(k) + off(k - 1));
+        }
+        let series = Series {
+            dt,
+            slip,
+            velocity: velocity.iter().enumerate().map(|(k, v)| v + off(k)).collect(),
+            normal: vec![load; n],
+            force,
+            deviation: vec![1e-4; n / 2],
+            open_share: 0.0,
+        };
+        let error = |rigid: bool, law: &ModifiedLaw<f64>| {
+            SeriesContact::new(&series, (load, 0.0), (rigid, usize::MAX)).unwrap().error(law)
+        };
+        assert!(error(true, &law) < 0.02, "{}", error(true, &law));
+        assert!(error(true, &plain) > 0.1, "{}", error(true, &plain));
+        assert!(error(false, &law) > 0.3, "{}", error(false, &law));
     }
 }

@@ -129,7 +129,8 @@ impl<'a> Study<'a> {
             } else {
                 usize::MAX
             };
-            let contact = SeriesContact::new(series, (lines.preload, lines.progress), most)?;
+            let contact =
+                SeriesContact::new(series, (lines.preload, lines.progress), (case.law.is_static(), most))?;
             Some((run, Arc::new(contact)))
         });
         let series = series.collect();

@@ -48,11 +48,16 @@ pub fn make(planned: &Planned) -> anyhow::Result<Made> {
     bail!("{}: no rig settles", planned.name)
 }
 
-/// Whether the accelerations of a run still change by more than the noise with the steps of the march: a rig that no step is
-/// fine enough for has no truth to compare with.
+/// Whether the accelerations of a run still change with the steps of the march, by more than is wanted where they have a period and by
+/// more than the noise where not: a rig that no step is fine enough for has no truth to compare with. Contacts that chatter
+/// beyond the sensors' band do.
 fn unresolved(simulation: &Simulation, rig: &Rig) -> bool {
     let noise = rig.sensors.noise_std_m_per_s2;
-    simulation.marching.iter().any(|run| run.change.is_some_and(|change| change > noise))
+    simulation.marching.iter().zip(&simulation.settled).any(|(run, settled)| {
+        let aperiodic = matches!(settled, Settling::NotPeriodic { .. });
+        let limit = if aperiodic { noise } else { run.tolerance };
+        run.change.is_some_and(|change| change > limit)
+    })
 }
 
 /// Runs the plain rig at two levels: sizes of the motion, from which the rest is scaled. `None` where the rig will not do.
