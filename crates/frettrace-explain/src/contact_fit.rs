@@ -199,9 +199,10 @@ impl Contacts {
         self.periodic.iter().map(Recovered::sizes).reduce(larger).filter(|s| s.iter().all(|x| x.is_normal()))
     }
 
-    /// What is quick to march: the periodic runs, where there are any.
+    /// What is quick to march: the periodic runs, where they are not the fewer.
     pub fn quick(&self) -> Self {
-        let series = if self.periodic.is_empty() { self.series.clone() } else { Vec::new() };
+        let few = self.periodic.len() < self.series.len();
+        let series = if few { self.series.clone() } else { Vec::new() };
         Self { periodic: self.periodic.clone(), series }
     }
 }

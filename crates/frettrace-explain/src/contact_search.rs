@@ -136,13 +136,31 @@ impl Study<'_> {
         ended.into_iter().chain([first]).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
     }
 
+    /// A form of an effect on the recovered contacts, fitted to its end: on what is quick to march first, where that is not all.
     fn contact_candidate(
         &self,
         recovered: &Contacts,
         setting: &Setting,
         law_unknowns: &[Unknown],
-        (effect, form): (usize, &ContactForm),
+        form: (usize, &ContactForm),
         most: usize,
+    ) -> Option<ContactCandidate> {
+        let quick = recovered.quick();
+        let first = self.contact_steps(&quick, setting, law_unknowns, form, (None, most));
+        if quick.series.len() == recovered.series.len() {
+            return first;
+        }
+        self.contact_steps(recovered, setting, law_unknowns, form, (first.as_ref(), most))
+    }
+
+    /// A few steps of the fit of a form on the recovered contacts, from the values of one fitted before, if any.
+    fn contact_steps(
+        &self,
+        recovered: &Contacts,
+        setting: &Setting,
+        law_unknowns: &[Unknown],
+        (effect, form): (usize, &ContactForm),
+        (from, most): (Option<&ContactCandidate>, usize),
     ) -> Option<ContactCandidate> {
         let mut law = setting.law;
         let mut added = Vec::new();
@@ -164,6 +182,7 @@ impl Study<'_> {
             .unzip();
         let modulated = law.get(Hook::ModulationCosine).is_some() && !form.changes.is_empty();
         let modulation = if modulated { form.modulation } else { setting.modulation };
+        let law = from.map_or(law, |begun| begun.law);
         let problem = ContactProblem { recovered, law, modulation, hooks, parameters };
         let fit = problem.solve(most).ok()?;
         let count = problem.residual_count() as f64;

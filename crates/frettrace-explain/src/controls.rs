@@ -177,6 +177,7 @@ fn nothing(quantity: Quantity, declared: &Setting, added: &[Unknown]) -> Option<
         Quantity::ModeFrequency(_) | Quantity::ModeDamping(_) => declared.get(quantity),
         Quantity::Gain(_) => Some(1.0),
         Quantity::PortPosition(_) | Quantity::MassPosition | Quantity::ContactCompliance => None,
+        Quantity::DriftRate | Quantity::DriftSlowing => None,
         _ => Some(0.0),
     }
 }

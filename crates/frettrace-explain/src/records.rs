@@ -104,7 +104,9 @@ impl RunRecord {
             let base = refined / subharmonic as f64;
             let Ok((channels, force)) = on(base, highest(subharmonic, most)) else { return };
             let ratio = worst_beside(&channels, noise);
-            if best.as_ref().is_none_or(|old| ratio < CLEARER * old.ratio) {
+            // A motion that has not settled is no subharmonic one because lines that lie closer hold more of it.
+            let settled = subharmonic == 1 || ratio < BESIDE_LIMIT;
+            if best.as_ref().is_none_or(|old| settled && ratio < CLEARER * old.ratio) {
                 *best = Some(Trial { subharmonic, channels, force, ratio });
             }
         };

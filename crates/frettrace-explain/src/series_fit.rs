@@ -32,8 +32,22 @@ pub struct Series {
 }
 
 impl Series {
-    /// Share of the record at its start that only settles the law's state.
-    pub const SETTLING: f64 = 0.1;
+    /// Samples at the start of a record that only settle the law's state: the first tenth of them, and so many more that a
+    /// transform of the rest is quick (a number of factors 2, 3 and 5).
+    #[must_use]
+    pub fn settling(samples: usize) -> usize {
+        let smooth = |n: usize| {
+            let rest = [2, 3, 5].iter().fold(n, |mut n, p| {
+                while n % p == 0 {
+                    n /= p;
+                }
+                n
+            });
+            rest == 1
+        };
+        let most = samples - samples / 10;
+        samples - (1..=most).rev().find(|n| smooth(*n)).unwrap_or(most)
+    }
 
     /// Its last samples; the deviations stay those of the bins of the whole record.
     fn last(&self, most: usize) -> Self {
@@ -87,10 +101,22 @@ impl Series {
         self.force.iter().zip(&self.velocity).map(|(force, v)| force + resistance * v).collect()
     }
 
-    /// Amplitudes of a signal of the series in the bins of what is kept of it, tapered: its first [`Self::SETTLING`] is left out.
+    /// Amplitudes of a signal of the series in the bins of what is kept of it, tapered: its first [`Self::settling`] samples are
+    /// left out.
     #[must_use]
     pub fn amplitudes(signal: &[f64]) -> Vec<Complex64> {
-        tapered_spectrum(&signal[(Self::SETTLING * signal.len() as f64) as usize..])
+        tapered_spectrum(&signal[Self::settling(signal.len())..])
+    }
+
+    /// Standard deviation of the force (N) in a bin of what is kept of the last `samples` of the record: bins of a part lie farther
+    /// apart than those of the record, and noise is larger in them.
+    #[must_use]
+    pub fn deviation_of(&self, bin: usize, samples: usize) -> f64 {
+        let record = 2 * self.deviation.len().saturating_sub(1);
+        let kept = samples - Self::settling(samples);
+        let of_record = (bin as f64 * record as f64 / kept.max(1) as f64).round() as usize;
+        let share = samples as f64 / record.max(1) as f64;
+        self.deviation.get(of_record).map_or(f64::INFINITY, |d| d / share.sqrt())
     }
 }
 
@@ -117,16 +143,10 @@ impl SeriesContact {
         (preload, progress): (f64, f64),
         (rigid, most): (bool, usize),
     ) -> Option<Self> {
-        let whole = series.force.len();
         let series = series.last(most);
         let trial = if rigid { series.trial() } else { Vec::new() };
-        let share = series.force.len() as f64 / whole.max(1) as f64;
         let measured = Series::amplitudes(&series.force);
-        // Bins of a part lie farther apart than those of the record, and noise is larger in them.
-        let deviation = |k: usize| {
-            let of_record = (k as f64 / (share * (1.0 - Series::SETTLING))).round() as usize;
-            series.deviation.get(of_record).map_or(f64::INFINITY, |d| d / share.sqrt())
-        };
+        let deviation = |k: usize| series.deviation_of(k, series.force.len());
         let known: Vec<usize> =
             (2..measured.len()).step_by(2).filter(|&k| measured[k].norm() > 3.0 * deviation(k)).collect();
         let size: f64 = known.iter().map(|&k| measured[k].norm_sqr()).sum();
@@ -270,23 +290,17 @@ mod tests {
         law.set(Hook::StribeckExponent, 2.0);
         let tone = |hertz: f64, k: usize| (std::f64::consts::TAU * hertz * k as f64 * dt).sin();
         let driven = |k: usize| 0.05 * (tone(20.0, k) + 0.6 * tone(13.7, k));
-        let velocity: Vec<f64> =
-            (0..n).map(|k| driven(k)).map(|v: f64| v.signum() * (v.abs() - 0.016).max(0.0)).collect();
+        let holds = |v: f64| v.signum() * (v.abs() - 0.016).max(0.0);
+        let velocity: Vec<f64> = (0..n).map(|k| holds(driven(k))).collect();
         let slides = |v: f64| load * (0.25 + 0.15 * (-(v / 2e-2).powi(2)).exp()) * v.signum();
-        let mut force: Vec<f64> =
-            velocity.iter().map(|&v| if v == 0.0 { f64::NAN } else { slides(v) }).collect();
-        let mut last = (0, 0.0);
-        for k in 0..n {
-            if force[k].is_finite() || k + 1 == n {
-                let end = if force[k].is_finite() { force[k] } else { 0.0 };
-                for between in last.0 + 1..k {
-                    let share = (between - last.0) as f64 / (k - last.0) as f64;
-                    force[between] = last.1 + share * (end - last.1);
-                }
-                (force[k], last) = (end, (k, end));
-            }
-        }
-        force[0] = 0.0;
+        // Samples that slide, with their forces; the record begins and ends without any.
+        let inner = (1..n - 1).filter(|&k| velocity[k] != 0.0).map(|k| (k, slides(velocity[k])));
+        let known: Vec<(usize, f64)> = [(0, 0.0)].into_iter().chain(inner).chain([(n, 0.0)]).collect();
+        let ramp = |pair: &[(usize, f64)]| {
+            let [(from, start), (to, end)] = [pair[0], pair[1]];
+            (from..to).map(move |k| start + (end - start) * (k - from) as f64 / (to - from) as f64)
+        };
+        let force: Vec<f64> = known.windows(2).flat_map(ramp).collect();
         let off = |k: usize| 0.01 * 0.08 * tone(31.3, k);
         let mut slip = vec![0.0; n];
         for k in 1..n {

@@ -45,7 +45,7 @@ fn model() -> AccelerationModel {
             samples: 256,
         }
     };
-    AccelerationModel::new(rig, vec![run(0.6, 0.0), run(2.5, 1.0)]).unwrap()
+    AccelerationModel::new(rig, vec![run(0.6, 0.3), run(2.5, 1.0)]).unwrap()
 }
 
 /// Everything that may be in a model, each at a value of its own.
@@ -60,6 +60,7 @@ fn setting() -> Setting {
     setting.base = Some([2e-8, -1e-8]);
     setting.clamp_compliance = 1e-3;
     setting.drift = 2e-4;
+    setting.drift_course = [2.0, 0.5];
     setting.contact_compliance = 1e-9;
     let sensor = &mut setting.sensors[1];
     (sensor.gain, sensor.delay, sensor.lag, sensor.shift, sensor.offset) = (1.03, 2e-5, 4e-5, 1e-3, 0.2);
@@ -95,6 +96,8 @@ fn derivatives_are_differences() {
         (Quantity::MassPosition, 0.2),
         (Quantity::ClampCompliance, 1.0),
         (Quantity::Drift, 1e-2),
+        (Quantity::DriftRate, 10.0),
+        (Quantity::DriftSlowing, 10.0),
         (Quantity::ContactCompliance, 1e-8),
         (Quantity::BaseReal, 2e-7),
         (Quantity::BaseImaginary, 2e-7),

@@ -37,6 +37,9 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, value| most.max(value.abs()))
 }
 
+/// Share of the largest size that the typical one has at least.
+const STICKS: f64 = 0.03;
+
 impl Scale {
     /// Reads the sizes off a simulation.
     #[must_use]
@@ -46,21 +49,23 @@ impl Scale {
         let mean = |of: &dyn Fn(usize) -> f64| (mean(of) / truth.len() as f64).exp();
         let slip = |k: usize| largest(&truth[k].slip_displacement);
         let velocity = |k: usize| largest(&truth[k].slip_velocity);
+        let last = truth.len() - 1;
+        // A rigid contact that sticks at one of the levels has no size there.
+        let typical = |of: &dyn Fn(usize) -> f64| mean(of).max(STICKS * of(last));
         let level = |k: usize| {
             let channels = &made.measurement.runs[k].acceleration;
             let squares: f64 = channels.iter().flatten().map(|a| a * a).sum();
             (squares / channels.iter().map(Vec::len).sum::<usize>() as f64).sqrt()
         };
-        let last = truth.len() - 1;
         let preload = made.measurement.runs[last].preload;
         let dynamic: Vec<f64> = truth[last].normal_force.iter().map(|n| n - preload).collect();
         let sensors = made.measurement.sensors.position.len();
         let peak =
             |s: usize| made.measurement.runs.iter().map(|r| largest(&r.acceleration[s])).fold(0.0, f64::max);
         Self {
-            slip: mean(&slip),
+            slip: typical(&slip),
             largest_slip: slip(last),
-            velocity: mean(&velocity),
+            velocity: typical(&velocity),
             largest_velocity: velocity(last),
             middle_level: level(0),
             largest_level: level(last),

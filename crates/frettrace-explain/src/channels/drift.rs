@@ -3,12 +3,12 @@
 //! The drift of every channel is fitted beside the lines of the motion as `Σ c_k P_k`, `k = 1 … 3`, Legendre polynomials over the
 //! record, whose mean square is `Σ c_k²/(2k + 1)`.
 
-use super::bare::bare;
+use super::bare::{Bare, bare};
 use super::{ChannelFault, Channels, HEARD, HEARD_IN_A_RUN};
 use crate::RunSamples;
 
-/// Finds drifts and takes them out; their means are left to whoever looks for offsets. What most channels have is a motion that
-/// has not settled.
+/// Finds drifts and takes them out; their means are left to whoever looks for offsets. What most channels have, or two of
+/// them alike, is a motion that has not settled.
 pub(super) fn find(
     runs: &[RunSamples<'_>],
     noise: Option<&[f64]>,
@@ -26,7 +26,8 @@ pub(super) fn find(
             ramp += 2.0 * one.drift[sensor].first().copied().unwrap_or_default();
         }
         let count = bare.len() as f64;
-        if gain > HEARD_IN_A_RUN * count && loudness > HEARD * HEARD * count {
+        let heard = gain > HEARD_IN_A_RUN * count && loudness > HEARD * HEARD * count;
+        if heard && !(0..sensors).any(|other| other != sensor && alike(&bare, [sensor, other])) {
             let mean = ramp / count;
             let parameter = ("drift_over_record".into(), "m/s^2".into(), mean, mean.abs() * gain.powf(-0.5));
             found.push(ChannelFault {
@@ -47,6 +48,24 @@ pub(super) fn find(
         }
     }
     found
+}
+
+/// Share of two channels' drifts that is common to them from which it is a motion that both see.
+const COMMON: f64 = 0.5;
+
+/// Whether another channel, in which a drift is sure too, drifts as one channel does, run by run.
+fn alike(bare: &[Bare<'_>], [one, other]: [usize; 2]) -> bool {
+    let product = |a: usize, b: usize| -> f64 {
+        let of_run = |run: &Bare<'_>| -> f64 {
+            let pairs = run.drift[a].iter().zip(&run.drift[b]).zip(1..);
+            pairs.map(|((a, b), k)| a * b / f64::from(2 * k + 1)).sum()
+        };
+        bare.iter().map(of_run).sum()
+    };
+    let square = product(other, other);
+    let sure = bare.iter().map(|b| b.run.force.len() as f64 / b.variance[other]).sum::<f64>() * square
+        > HEARD_IN_A_RUN * (bare.len() as f64).powi(2);
+    sure && product(one, other).powi(2) > COMMON * product(one, one) * square
 }
 
 /// Mean square of a drift over the record.

@@ -18,7 +18,13 @@ pub(super) struct Differentiation<'a> {
     pub run: usize,
 }
 
-type Solved<'a> = (&'a Tangent<'a>, &'a Factor, &'a RunMemory, &'a Prediction);
+/// What a quantity changes while the contact forces stay as they are.
+struct Direct {
+    /// Motion (m) of every row, `rows` values a line; `None` where the structure stays as it is.
+    motion: Option<Vec<Complex64>>,
+    /// Force harmonics with which the contacts answer to it; `None` where only a sensor changes.
+    answer: Option<Vec<f64>>,
+}
 
 impl Differentiation<'_> {
     /// The prediction of the run and its derivatives by every quantity.
@@ -38,45 +44,61 @@ impl Differentiation<'_> {
             factor
         });
         let plain = evaluation.accelerations(&kept.unknowns);
-        let columns = self
+        // What each quantity changes at fixed contact forces, and the forces that answer to it: all of them from one solution, which
+        // reads the factor once.
+        let direct: Vec<Direct> = self
             .quantities
             .iter()
             .enumerate()
-            .map(|(index, &quantity)| {
-                self.column((index, quantity), &hooks, (&tangent, &factor, kept, &plain), &mut scratch)
+            .map(|(index, &quantity)| self.direct((index, quantity), &hooks, (&tangent, kept), &mut scratch))
+            .collect();
+        let answers: Vec<&Vec<f64>> = direct.iter().filter_map(|d| d.answer.as_ref()).collect();
+        let right = faer::Mat::from_fn(evaluation.width(), answers.len(), |row, j| answers[j][row]);
+        let forces = faer::linalg::solvers::Solve::solve(factor.as_ref(), &right);
+        let mut solved = forces.col_iter();
+        let columns = self
+            .quantities
+            .iter()
+            .zip(&direct)
+            .map(|(&quantity, direct)| match direct.answer.as_ref().and_then(|_| solved.next()) {
+                Some(forces) => self.column(direct, &forces.iter().copied().collect::<Vec<f64>>()),
+                None => sensor_column(quantity, evaluation, &plain),
             })
             .collect();
         let setting = evaluation.setting;
         Linearised { prediction: distort(plain, setting, evaluation.lines.omega), columns }
     }
 
-    /// Derivative of the prediction by one quantity.
-    fn column(
+    /// What one quantity changes at fixed contact forces.
+    fn direct(
         &self,
         (index, quantity): (usize, Quantity),
         hooks: &[Hook],
-        (tangent, factor, kept, plain): Solved<'_>,
+        (tangent, kept): (&Tangent<'_>, &RunMemory),
         scratch: &mut frettrace_fourier::GridScratch,
-    ) -> Prediction {
+    ) -> Direct {
         let e = self.evaluation;
-        let direct = self.motion(index, quantity, kept);
+        let motion = self.motion(index, quantity, kept);
         let direction = match quantity {
             Quantity::Law(hook) => {
                 Direction { hook: hooks.iter().position(|h| *h == hook), ..Direction::default() }
             }
             Quantity::Port(p, c) => Direction { coefficient: Some((p, c)), ..Direction::default() },
-            _ => match &direct {
+            _ => match &motion {
                 Some(lines) => {
                     let rows = e.layout.rows();
                     tangent.direction(|row| (0..=e.order()).map(|h| lines[h * rows + row]).collect(), scratch)
                 }
-                None => return sensor_column(quantity, e, plain),
+                None => return Direct { motion: None, answer: None },
             },
         };
         let [answer] = tangent.answer(&direction, scratch);
-        let right = faer::Col::from_fn(answer.len(), |i| answer[i]);
-        let forces = faer::linalg::solvers::Solve::solve(factor.as_ref(), &right);
-        let forces: Vec<f64> = (0..forces.nrows()).map(|i| forces[i]).collect();
+        Direct { motion, answer: Some(answer) }
+    }
+
+    /// Derivative of the accelerations by a quantity to which the contact answers with `forces`.
+    fn column(&self, direct: &Direct, forces: &[f64]) -> Prediction {
+        let e = self.evaluation;
         let rows = e.layout.rows();
         let change = (0..e.layout.sensors)
             .map(|s| {
@@ -84,9 +106,9 @@ impl Differentiation<'_> {
                     .map(|h| {
                         let at = h as f64 * e.lines.omega;
                         let row = Layout::sensor_row(s);
-                        let mut sum = direct.as_ref().map_or(Complex64::ZERO, |d| d[h * rows + row]);
+                        let mut sum = direct.motion.as_ref().map_or(Complex64::ZERO, |d| d[h * rows + row]);
                         for port in 0..=e.layout.ports {
-                            sum -= e.block.at(h, row, 1 + port) * coefficient(&forces, e.order(), port, h);
+                            sum -= e.block.at(h, row, 1 + port) * coefficient(forces, e.order(), port, h);
                         }
                         sum * (-at * at)
                     })

@@ -257,6 +257,7 @@ impl AccelerationModel {
             Quantity::ClampCompliance => 1e-6,
             Quantity::AddedMass => 1e-6 * self.rig.beam.mass_per_length * length,
             Quantity::Drift => 1e-7,
+            Quantity::DriftRate | Quantity::DriftSlowing => 1e-4,
             Quantity::ContactCompliance => 1e-6 * length / self.rig.beam.bending_stiffness,
             _ => return Ok(None),
         };

@@ -106,6 +106,10 @@ pub enum Quantity {
     ClampCompliance,
     /// Relative change of all natural frequencies from the first run to the last.
     Drift,
+    /// Rate `k` at which a drift settles: `G(p)/G(1)` of it has come by `p` of the runs, `G(p) = 1 − (1 + m k p)^(−1/m)`.
+    DriftRate,
+    /// Slowing `m` of that: exponential for 0, rational for 1, logarithmic for large ones.
+    DriftSlowing,
     /// Local compliance of the contact beside that of the modes (m/N).
     ContactCompliance,
     /// Motion of the base per excitation force at the same line, real part (m/N).
@@ -146,6 +150,8 @@ pub struct Setting {
     pub clamp_compliance: f64,
     /// Relative change of all natural frequencies from the first run to the last.
     pub drift: f64,
+    /// Rate and slowing of its course over the runs, see [`Quantity::DriftRate`].
+    pub drift_course: [f64; 2],
     /// Local compliance of the contact beside that of the modes (m/N).
     pub contact_compliance: f64,
     /// Motion of the base, real and imaginary part: per excitation force (m/N), or an acceleration (m/s²) on one line.
@@ -158,6 +164,22 @@ pub struct Setting {
     /// Sensors.
     pub sensors: Vec<SensorSetting>,
 }
+
+/// Share of a drift that has come by `progress` between the first run (0) and the last (1): `G(p)/G(1)` with
+/// `G(p) = 1 − (1 + m k p)^(−1/m)`.
+///
+/// Steady for a rate `k = 0`; with the slowing `m` it goes from an exponential (`m → 0`, warming) over a rational course (`m = 1`) to
+/// a logarithmic one (`m ≫ 1`, bolts that relax).
+pub(super) fn course([rate, slowing]: [f64; 2], progress: f64) -> f64 {
+    let slowing = slowing.max(LEAST_SLOWING);
+    let come = |p: f64| -(-(slowing * rate * p).ln_1p() / slowing).exp_m1();
+    if rate.abs() < STEADY { progress } else { come(progress) / come(1.0) }
+}
+
+/// Rate below which a drift is steady: its course is within a quarter of that of it.
+const STEADY: f64 = 1e-9;
+/// Slowing below which a course is the exponential one to rounding.
+const LEAST_SLOWING: f64 = 1e-6;
 
 impl Setting {
     /// Nothing but the modes (natural frequencies in rad/s, damping ratios) and a friction law that yields, read by sound sensors.
@@ -173,6 +195,7 @@ impl Setting {
             mass: None,
             clamp_compliance: 0.0,
             drift: 0.0,
+            drift_course: [0.0; 2],
             contact_compliance: 0.0,
             base: None,
             base_line: 0,
@@ -212,6 +235,8 @@ impl Setting {
             Quantity::MassPosition => self.mass.map(|m| m[1]),
             Quantity::ClampCompliance => Some(self.clamp_compliance),
             Quantity::Drift => Some(self.drift),
+            Quantity::DriftRate => Some(self.drift_course[0]),
+            Quantity::DriftSlowing => Some(self.drift_course[1]),
             Quantity::ContactCompliance => Some(self.contact_compliance),
             Quantity::BaseReal => self.base.map(|b| b[0]),
             Quantity::BaseImaginary => self.base.map(|b| b[1]),
@@ -241,6 +266,8 @@ impl Setting {
             Quantity::MassPosition => self.mass.as_mut().map(|m| &mut m[1]),
             Quantity::ClampCompliance => Some(&mut self.clamp_compliance),
             Quantity::Drift => Some(&mut self.drift),
+            Quantity::DriftRate => Some(&mut self.drift_course[0]),
+            Quantity::DriftSlowing => Some(&mut self.drift_course[1]),
             Quantity::ContactCompliance => Some(&mut self.contact_compliance),
             Quantity::BaseReal => self.base.as_mut().map(|b| &mut b[0]),
             Quantity::BaseImaginary => self.base.as_mut().map(|b| &mut b[1]),
@@ -252,6 +279,28 @@ impl Setting {
         };
         if let Some(place) = place {
             *place = value;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half-way values: steady 1/2; exponential of rate 4, (1 − e⁻²)/(1 − e⁻⁴) = 0.880797; rational of rate 3,
+    /// (1.5/2.5)/(3/4) = 0.8; logarithmic of m k = 8, which m = 10⁴ meets to 10⁻⁴: ln 5/ln 9 = 0.732487. All end at 1.
+    #[test]
+    fn drifts_settle_as_they_should() {
+        let cases = [
+            ([0.0, 1.0], 0.5, 1e-12),
+            ([4.0, 0.0], 0.880_797, 1e-6),
+            ([3.0, 1.0], 0.8, 1e-12),
+            ([8e-4, 1e4], 0.732_487, 1e-4),
+        ];
+        for (shape, half, accuracy) in cases {
+            let found = course(shape, 0.5);
+            assert!((found - half).abs() < accuracy, "{shape:?}: {found}");
+            assert!(course(shape, 0.0).abs() < 1e-15 && (course(shape, 1.0) - 1.0).abs() < 1e-12);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The structure as receptances between the points the model needs, line by line.
 
 use super::run::RunLines;
-use super::setting::{PortPlace, Quantity, Rig, Setting};
+use super::setting::{PortPlace, Quantity, Rig, Setting, course};
 use frettrace_beam::{BeamError, Boundary, Dof, Element, ModalModel, Probe};
 use num_complex::Complex64;
 
@@ -24,6 +24,7 @@ pub(super) struct Structure {
     layout: Layout,
     mass: Option<f64>,
     drift: f64,
+    drift_course: [f64; 2],
     contact_compliance: f64,
     /// Participation of a uniform motion of the base in each mode, `∫ρA φ dx`.
     rigid: Vec<f64>,
@@ -149,6 +150,7 @@ impl Structure {
             layout,
             mass: setting.mass.map(|m| m[0]),
             drift: setting.drift,
+            drift_course: setting.drift_course,
             contact_compliance: setting.contact_compliance,
             rigid,
         })
@@ -161,6 +163,7 @@ impl Structure {
         }
         self.mass = setting.mass.map(|m| m[0]);
         self.drift = setting.drift;
+        self.drift_course = setting.drift_course;
         self.contact_compliance = setting.contact_compliance;
     }
 
@@ -180,7 +183,7 @@ impl Structure {
         let mut wide = vec![Complex64::ZERO; self.rows.len() * width];
         let mut values = Vec::with_capacity((order + 1) * rows * columns);
         // A structure whose frequencies scale by s answers at ω like the nominal one at ω/s, over s².
-        let stretch = 1.0 + self.drift * progress;
+        let stretch = 1.0 + self.drift * course(self.drift_course, progress);
         for line in 0..=order {
             let at = line as f64 * omega / stretch;
             self.fill(&mut wide, at);

@@ -98,11 +98,7 @@ impl Record {
         (lines, series): (&RunLines, &Series),
     ) -> Result<Option<Self>, ExplainError> {
         let measured = Series::amplitudes(&series.force);
-        // Bins of what is kept lie farther apart than those of the record.
-        let deviation = |k: usize| {
-            let of_record = (k as f64 / (1.0 - Series::SETTLING)).round() as usize;
-            series.deviation.get(of_record).copied().unwrap_or(f64::INFINITY)
-        };
+        let deviation = |k: usize| series.deviation_of(k, series.force.len());
         // The taper ties neighbours together: every second bin is independent of the others.
         let known: Vec<usize> =
             (2..measured.len()).step_by(2).filter(|&k| measured[k].norm() > KNOWN * deviation(k)).collect();
@@ -159,7 +155,7 @@ fn history(run: usize, of: &Series) -> ContactHistory {
         mean_is_seen: false,
         force_std: noise.sqrt().max(ACCURACY * peak).max(1e-12),
         draws: Vec::new(),
-        first: (Series::SETTLING * samples as f64) as usize,
+        first: Series::settling(samples),
     }
 }
 
@@ -172,7 +168,7 @@ fn share_accuracy(measured: &[Complex64], bins: &mut [(usize, f64)]) {
 
 /// Angular frequency from one bin to the next (rad/s).
 fn spacing(series: &Series) -> f64 {
-    let kept = series.force.len() - (Series::SETTLING * series.force.len() as f64) as usize;
+    let kept = series.force.len() - Series::settling(series.force.len());
     std::f64::consts::TAU / (kept.max(1) as f64 * series.dt)
 }
 
