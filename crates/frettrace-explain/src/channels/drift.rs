@@ -7,8 +7,8 @@ use super::bare::{Bare, bare};
 use super::{ChannelFault, Channels, HEARD, HEARD_IN_A_RUN};
 use crate::RunSamples;
 
-/// Finds drifts and takes them out; their means are left to whoever looks for offsets. What most channels have, or two of
-/// them alike, is a motion that has not settled.
+/// Finds drifts and takes them out; their means are left to whoever looks for offsets. What most channels have, two of
+/// them alike, or a few runs alone, is a motion that has not settled.
 pub(super) fn find(
     runs: &[RunSamples<'_>],
     noise: Option<&[f64]>,
@@ -18,16 +18,18 @@ pub(super) fn find(
     let sensors = bare.first().map_or(0, |b| b.drift.len());
     let mut found: Vec<ChannelFault> = Vec::new();
     for sensor in 0..sensors {
-        let (mut gain, mut loudness, mut ramp) = (0.0, 0.0, 0.0);
+        let (mut gain, mut loudness, mut ramp, mut hearing) = (0.0, 0.0, 0.0, 0);
         for one in &bare {
             let square = power(&one.drift[sensor]);
-            gain += square * one.run.force.len() as f64 / one.variance[sensor];
+            let of_run = square * one.run.force.len() as f64 / one.variance[sensor];
+            hearing += usize::from(of_run > HEARD_IN_A_RUN);
+            gain += of_run;
             loudness += square / one.variance[sensor];
             ramp += 2.0 * one.drift[sensor].first().copied().unwrap_or_default();
         }
         let count = bare.len() as f64;
-        let heard = gain > HEARD_IN_A_RUN * count && loudness > HEARD * HEARD * count;
-        if heard && !(0..sensors).any(|other| other != sensor && alike(&bare, [sensor, other])) {
+        let loud = gain > HEARD_IN_A_RUN * count && loudness > HEARD * HEARD * count;
+        if loud && 2 * hearing > bare.len() {
             let mean = ramp / count;
             let parameter = ("drift_over_record".into(), "m/s^2".into(), mean, mean.abs() * gain.powf(-0.5));
             found.push(ChannelFault {
@@ -41,6 +43,9 @@ pub(super) fn find(
     if 2 * found.len() > sensors {
         return Vec::new();
     }
+    found.retain(|fault| {
+        !(0..sensors).any(|other| other != fault.sensor && alike(&bare, [fault.sensor, other]))
+    });
     for fault in &found {
         for (one, signals) in bare.iter().zip(&mut channels.signal) {
             let drift = one.projector.drift(&one.drift[fault.sensor]);
