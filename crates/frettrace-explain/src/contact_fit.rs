@@ -6,14 +6,17 @@
 
 mod march;
 
+use crate::effects::FREE;
 use crate::series_fit::SeriesContact;
 use frettrace_forward::accelerations::{AccelerationError, AccelerationModel, Balance};
 use frettrace_fourier::{Grid, GridError};
 use frettrace_friction::effects::{Hook, ModifiedLaw};
-use frettrace_identify::{Fit, FitSettings, IdentifyError, Model, NoSolution, Parameter, fit};
+use frettrace_identify::{Fit, FitSettings, IdentifyError, Model, NoSolution, Parameter, Transform, fit};
 pub(crate) use march::{LANES, columns};
 use nalgebra::{DMatrix, DMatrixViewMut};
 use num_complex::Complex64;
+use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Recovered motion and force lines of one run.
@@ -31,6 +34,10 @@ pub(crate) struct Recovered {
     dt: f64,
     preload: f64,
     progress: f64,
+    /// Static compliance of the structure at the contact (m/N).
+    give: f64,
+    /// First line compared: the mean, where the slip has one.
+    first: usize,
 }
 
 /// Highest line (of the excitation) of the force that is compared, …
@@ -116,7 +123,9 @@ impl Recovered {
                 };
                 (balance.force_deviation[h] * answer.norm()).hypot(accuracy(h) * peak)
             })
-            .collect();
+            .collect::<Vec<_>>();
+        let mean_deviation = deviation.get(1).copied().unwrap_or(f64::INFINITY);
+        let deviation = std::iter::once(mean_deviation).chain(deviation.into_iter().skip(1)).collect();
         let dt = std::f64::consts::TAU / lines.omega / samples as f64;
         Ok(Self {
             slip,
@@ -129,7 +138,25 @@ impl Recovered {
             dt,
             preload: lines.preload,
             progress: lines.progress,
+            give: balance.slip_gain[0].re,
+            first: 1,
         })
+    }
+
+    /// The same motion around a mean slip (m) that no accelerometer sees. The structure holds it there: `F̄ = −ū/R₀` with its static
+    /// compliance `R₀`, to the accuracy of the first line.
+    pub fn around(&self, mean: f64) -> Self {
+        let held = -mean / self.give;
+        let mut moved = Self { first: 0, ..self.clone() };
+        moved.slip.iter_mut().for_each(|u| *u += mean);
+        moved.trial.iter_mut().for_each(|trial| *trial += held);
+        moved.force[0] = Complex64::from(held);
+        moved
+    }
+
+    /// RMS of the slip (m).
+    fn stroke(&self) -> f64 {
+        (self.slip.iter().map(|u| u * u).sum::<f64>() / self.slip.len() as f64).sqrt()
     }
 
     fn residual(&self, law: &ModifiedLaw<f64>, modulation: usize, out: &mut [f64]) {
@@ -147,7 +174,7 @@ impl Recovered {
         self.left(&force, residual);
         let whitened = |samples: &[f64]| {
             let lines = self.lines(samples);
-            (1..self.force.len()).map(|h| lines[h] / self.deviation[h]).collect()
+            (self.first..self.force.len()).map(|h| lines[h] / self.deviation[h]).collect()
         };
         let lanes = LANES - law.states();
         columns((law, hooks), (jacobian, lanes), |law| self.slopes(law, modulation, state), whitened);
@@ -156,10 +183,9 @@ impl Recovered {
     /// Recovered less answered force over the deviations.
     fn left(&self, answered: &[f64], out: &mut [f64]) {
         let lines = self.lines(answered);
-        for h in 1..self.force.len() {
+        for (pair, h) in out.chunks_exact_mut(2).zip(self.first..self.force.len()) {
             let left = (self.force[h] - lines[h]) / self.deviation[h];
-            out[2 * h - 2] = left.re;
-            out[2 * h - 1] = left.im;
+            pair.copy_from_slice(&[left.re, left.im]);
         }
     }
 
@@ -171,16 +197,15 @@ impl Recovered {
     }
 
     fn count(&self) -> usize {
-        2 * (self.force.len() - 1)
+        2 * (self.force.len() - self.first)
     }
 
     /// RMS of the friction force over the mean normal force, and that over the RMS of the slip (1/m).
     fn sizes(&self) -> [f64; 2] {
         let samples = self.slip.len() as f64;
         let force = (0.5 * self.force.iter().skip(1).map(Complex64::norm_sqr).sum::<f64>()).sqrt();
-        let slip = (self.slip.iter().map(|u| u * u).sum::<f64>() / samples).sqrt();
         let share = force / (self.normal.iter().sum::<f64>() / samples).max(f64::MIN_POSITIVE);
-        [share, share / slip.max(f64::MIN_POSITIVE)]
+        [share, share / self.stroke().max(f64::MIN_POSITIVE)]
     }
 }
 
@@ -207,16 +232,37 @@ impl Contacts {
     }
 }
 
-/// A law with some of its hooks free, against recovered contacts.
+/// A law with some of its hooks free, against recovered contacts. Where its friction depends on the contact's place, the mean slip of
+/// every periodic run is free too: values behind those of the hooks.
 pub(crate) struct ContactProblem<'a> {
-    pub recovered: &'a Contacts,
-    pub law: ModifiedLaw<f64>,
-    pub modulation: usize,
-    pub hooks: Vec<Hook>,
-    pub parameters: Vec<Parameter>,
+    recovered: &'a Contacts,
+    law: ModifiedLaw<f64>,
+    modulation: usize,
+    hooks: Vec<Hook>,
+    parameters: Vec<Parameter>,
 }
 
-impl ContactProblem<'_> {
+/// Scale of a mean slip that is to be fitted, over the RMS of the slip.
+const MEAN_SCALE: f64 = 0.1;
+/// Step, in that scale, of differences by it.
+const MEAN_STEP: f64 = 1e-3;
+
+impl<'a> ContactProblem<'a> {
+    /// A law, with the line of the modulation of its preload, whose hooks are free as the parameters say.
+    pub fn new(
+        recovered: &'a Contacts,
+        (law, modulation): (ModifiedLaw<f64>, usize),
+        (hooks, mut parameters): (Vec<Hook>, Vec<Parameter>),
+    ) -> Self {
+        if law.depends_on_place() {
+            parameters.extend(recovered.periodic.iter().map(|run| Parameter {
+                transform: Transform::Linear { scale: MEAN_SCALE * run.stroke() },
+                ..Parameter::positive("mean_slip", "m", FREE)
+            }));
+        }
+        Self { recovered, law, modulation, hooks, parameters }
+    }
+
     pub fn at(&self, values: &[f64]) -> ModifiedLaw<f64> {
         let mut law = self.law;
         for (&hook, &value) in self.hooks.iter().zip(values) {
@@ -225,8 +271,11 @@ impl ContactProblem<'_> {
         law
     }
 
-    pub fn solve(&self, most: usize) -> Result<Fit, IdentifyError> {
-        let start: Vec<f64> = self.hooks.iter().map(|h| self.law.get(*h).unwrap_or_default()).collect();
+    /// Fits it in at most so many steps, from the given mean slip in units of the RMS of the slip.
+    pub fn solve(&self, most: usize, mean: f64) -> Result<Fit, IdentifyError> {
+        let values = self.hooks.iter().map(|h| self.law.get(*h).unwrap_or_default());
+        let means = self.recovered.periodic.iter().map(|run| mean * run.stroke());
+        let start: Vec<f64> = values.chain(means).take(self.parameters.len()).collect();
         let settings = FitSettings {
             max_iterations: most,
             relative_tolerance: 1e-3,
@@ -235,6 +284,28 @@ impl ContactProblem<'_> {
             ..FitSettings::default()
         };
         fit(self, &start, &settings)
+    }
+
+    /// Whether a value that a hook in question has is on its bound.
+    pub fn is_bound(&self, fit: &Fit, asked: impl Fn(&Hook) -> bool) -> bool {
+        self.hooks.iter().zip(&fit.at_bound).any(|(hook, bound)| *bound && asked(hook))
+    }
+
+    /// Mean slips (m) among values; none where friction does not depend on the place.
+    pub fn means<'b>(&self, values: &'b [f64]) -> &'b [f64] {
+        &values[self.hooks.len()..]
+    }
+
+    /// Periodic runs with the mean slips that the values hold, each with its rows in the residual.
+    fn placed(&self, values: &[f64]) -> impl Iterator<Item = (Cow<'a, Recovered>, Range<usize>)> {
+        let means = self.means(values).to_vec();
+        let mut at = 0;
+        self.recovered.periodic.iter().enumerate().map(move |(k, run)| {
+            let run = means.get(k).map_or(Cow::Borrowed(run), |mean| Cow::Owned(run.around(*mean)));
+            let rows = at..at + run.count();
+            at = rows.end;
+            (run, rows)
+        })
     }
 }
 
@@ -246,8 +317,11 @@ impl Model for ContactProblem<'_> {
     }
 
     fn residual_count(&self) -> usize {
-        let lines: usize = self.recovered.periodic.iter().map(Recovered::count).sum();
-        lines + self.recovered.series.iter().map(|s| s.count()).sum::<usize>()
+        // A run around a mean slip compares its mean as well.
+        let placed = self.law.depends_on_place();
+        let lines = |run: &Recovered| run.count() + if placed { 2 } else { 0 };
+        let periodic: usize = self.recovered.periodic.iter().map(lines).sum();
+        periodic + self.recovered.series.iter().map(|s| s.count()).sum::<usize>()
     }
 
     fn memory(&self) {}
@@ -255,9 +329,9 @@ impl Model for ContactProblem<'_> {
     fn residual(&self, values: &[f64], _memory: &mut (), residual: &mut [f64]) -> Result<(), NoSolution> {
         let law = self.at(values);
         let mut at = 0;
-        for recovered in &self.recovered.periodic {
-            recovered.residual(&law, self.modulation, &mut residual[at..at + recovered.count()]);
-            at += recovered.count();
+        for (recovered, rows) in self.placed(values) {
+            at = rows.end;
+            recovered.residual(&law, self.modulation, &mut residual[rows]);
         }
         for series in &self.recovered.series {
             series.residual(&law, &mut residual[at..at + series.count()]);
@@ -278,10 +352,19 @@ impl Model for ContactProblem<'_> {
         let hooks: Vec<(usize, Hook)> =
             self.hooks.iter().copied().enumerate().filter(|(j, _)| free[*j]).collect();
         let mut at = 0;
-        for recovered in &self.recovered.periodic {
-            let rows = at..at + recovered.count();
+        for (k, (recovered, rows)) in self.placed(values).enumerate() {
             let part = (&mut residual[rows.clone()], jacobian.rows_mut(rows.start, rows.len()));
             recovered.linearise((&law, self.modulation), &hooks, part);
+            let column = self.hooks.len() + k;
+            if let Some(mean) = values.get(column).filter(|_| free[column]) {
+                let plain = &self.recovered.periodic[k];
+                let distance = MEAN_STEP * MEAN_SCALE * plain.stroke();
+                let mut moved = vec![0.0; rows.len()];
+                plain.around(mean + distance).residual(&law, self.modulation, &mut moved);
+                for (row, moved) in rows.clone().zip(moved) {
+                    jacobian[(row, column)] = (moved - residual[row]) / distance;
+                }
+            }
             at = rows.end;
         }
         for series in &self.recovered.series {
@@ -293,6 +376,22 @@ impl Model for ContactProblem<'_> {
         let finite = residual.iter().chain(jacobian.iter()).all(|value| value.is_finite());
         if finite { Ok(()) } else { Err(NoSolution) }
     }
+}
+
+/// Mean slips, in units of the RMS of the slip, from which the one of a run is sought.
+const MEANS: [f64; 5] = [0.0, -0.3, 0.3, -0.7, 0.7];
+/// Steps from each of them.
+const MEAN_STEPS: usize = 8;
+
+/// Mean of the friction force (N) that a law whose friction depends on the contact's place has in a recovered run: of the places
+/// where it may be, the one that the run was recovered from.
+pub(crate) fn mean_force(recovered: Recovered, (law, modulation): (ModifiedLaw<f64>, usize)) -> Option<f64> {
+    let give = recovered.give;
+    let one = Contacts { periodic: vec![recovered], series: Vec::new() };
+    let problem = ContactProblem::new(&one, (law, modulation), (Vec::new(), Vec::new()));
+    let found = MEANS.iter().filter_map(|&mean| problem.solve(MEAN_STEPS, mean).ok());
+    let best = found.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+    Some(-problem.means(&best.values).first()? / give)
 }
 
 /// Recovers the contact of the selected runs.

@@ -2,11 +2,11 @@
 
 use crate::Study;
 use crate::case::Scales;
-use crate::contact_fit::{ContactProblem, Contacts, recover};
+use crate::contact_fit::{ContactProblem, Contacts, Recovered, mean_force, recover};
 use crate::effects::{ALL, ContactForm, Effect};
 use crate::study::{as_declared, merge};
 use crate::{ExplainError, Unknown};
-use frettrace_forward::accelerations::{Quantity, Setting};
+use frettrace_forward::accelerations::{AccelerationError, Memory, Quantity, Setting};
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 use frettrace_identify::{Model, Parameter};
 use rayon::prelude::*;
@@ -97,11 +97,33 @@ fn starts(
 impl Study<'_> {
     /// Recovered contacts of the training runs, and of those that are not periodic.
     pub(crate) fn recovered(&self, setting: &Setting) -> Result<Contacts, ExplainError> {
-        let selected: Vec<(usize, usize)> =
-            self.training.iter().map(|&run| (run, self.case.records[run].subharmonic)).collect();
-        let periodic = recover(&self.model, setting, &selected)?;
+        let periodic = self.recovered_runs(setting, &self.training)?;
         let series = self.series.iter().filter(|_| as_declared(setting)).map(|(_, contact)| contact.clone());
         Ok(Contacts { periodic, series: series.collect() })
+    }
+
+    fn recovered_runs(&self, setting: &Setting, runs: &[usize]) -> Result<Vec<Recovered>, AccelerationError> {
+        let selected: Vec<(usize, usize)> =
+            runs.iter().map(|&run| (run, self.case.records[run].subharmonic)).collect();
+        recover(&self.model, setting, &selected)
+    }
+
+    /// Where the balance of the runs begins with the law of a setting: where friction depends on the contact's place, at the place
+    /// that their recovered contacts show, as far as the memory does not know it.
+    pub(crate) fn begin(&self, setting: &Setting, runs: &[usize], memory: &mut Memory) {
+        if !setting.law.depends_on_place() {
+            return;
+        }
+        let new: Vec<usize> = runs.iter().copied().filter(|&run| !memory.knows(run)).collect();
+        let Ok(recovered) = self.recovered_runs(setting, &new) else { return };
+        let law = (setting.law, setting.modulation);
+        let means: Vec<Option<f64>> =
+            recovered.into_par_iter().map(|contact| mean_force(contact, law)).collect();
+        for (&run, mean) in new.iter().zip(means) {
+            if let Some(mean) = mean {
+                memory.begin_from(run, mean);
+            }
+        }
     }
 
     /// The law of a setting on the recovered contacts.
@@ -183,11 +205,11 @@ impl Study<'_> {
         let modulated = law.get(Hook::ModulationCosine).is_some() && !form.changes.is_empty();
         let modulation = if modulated { form.modulation } else { setting.modulation };
         let law = from.map_or(law, |begun| begun.law);
-        let problem = ContactProblem { recovered, law, modulation, hooks, parameters };
-        let fit = problem.solve(most).ok()?;
+        let problem = ContactProblem::new(recovered, (law, modulation), (hooks, parameters));
+        let fit = problem.solve(most, 0.0).ok()?;
         let count = problem.residual_count() as f64;
         let brought = |hook: &Hook| added.iter().any(|u| u.quantity == Quantity::Law(*hook));
-        let bound = problem.hooks.iter().zip(&fit.at_bound).any(|(hook, bound)| *bound && brought(hook));
+        let bound = problem.is_bound(&fit, brought);
         Some(ContactCandidate {
             reduced: fit.cost / count,
             bound,

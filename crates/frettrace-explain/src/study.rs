@@ -165,6 +165,7 @@ impl<'a> Study<'a> {
             warm.clone(),
         );
         let mut memory = warm.clone();
+        self.begin(&setting, &self.training, &mut memory);
         let mut found = fit_with_memory(&problem, &problem.start(), &settings, &mut memory);
         if matches!(found, Err(IdentifyError::NoStart { .. })) {
             self.model.approach(&setting, &self.training, &mut memory)?;
@@ -235,6 +236,7 @@ impl<'a> Study<'a> {
     #[must_use]
     pub fn predictions(&self, fitted: &Fitted, selected: &[usize]) -> Vec<Option<Prediction>> {
         let mut memory = fitted.memory.clone();
+        self.begin(&fitted.setting, selected, &mut memory);
         selected
             .iter()
             .map(|&run| {

@@ -1,12 +1,13 @@
-//! Further forces that the balance does not show: ranked by the tangents of the whole model.
+//! What lies outside the contact and the balance does not show: ranked by the tangents of the whole model.
 //!
 //! Where a force acts near the shape that a contact force makes, the recovered contact force takes most of it and the balance
-//! closes; no law then answers the contact. With the tangent `c = ∂a/∂κ` of the prediction at `κ = 0`, the whitened residual `r`
-//! and `P` the projector beside the tangents of everything that is free already, adding the force takes `(cᵀPr)²/cᵀPc` from χ² to
+//! closes; no law then answers the contact. So it does where one mode, which a force on its own line can stand for, is all that
+//! changes. With the tangent `c = ∂a/∂κ` of the prediction at `κ = 0`, the whitened residual `r`
+//! and `P` the projector beside the tangents of everything that is free already, adding the effect takes `(cᵀPr)²/cᵀPc` from χ² to
 //! first order, at `κ = cᵀPr/cᵀPc`.
 
 use crate::balance_fit::BalanceCandidate;
-use crate::effects::{ALL, FREE};
+use crate::effects::{ALL, FREE, StructureForm};
 use crate::fitting::AccelerationFit;
 use crate::search::Explained;
 use crate::study::merge;
@@ -27,25 +28,18 @@ const SMOOTH: [(&str, &[usize]); 3] = [
     ("structure.second-support", &[0, 1]),
 ];
 
+/// Effects that change the structure itself, the same at every level.
+const STEADY: [&str; 3] =
+    ["structure.frequency-drift", "structure.clamp-compliance", "structure.added-mass"];
+/// Candidates that are worth a fit of the whole model.
+const ASKED: usize = 3;
+
 /// Share of χ² above the noise that a tangent must promise to take: the first step towards a strong force takes a fifth.
 const WORTH: f64 = 0.1;
 
-/// What a force would take from χ², and its coefficients then.
-struct Promise {
-    place: PortPlace,
-    effect: usize,
-    free: &'static [usize],
-    /// χ² that it takes, in all and as a share of what nothing free takes above the noise.
-    gain: f64,
-    share: f64,
-    coefficients: [f64; COEFFICIENTS],
-}
-
 impl Study<'_> {
-    /// Smooth forces on the beam by what their tangents promise, best first, one place each.
+    /// Smooth forces on the beam, and changes of the structure, by what their tangents promise: best first, one of each effect.
     pub(crate) fn tangent_candidates(&self, current: &Explained) -> Vec<BalanceCandidate> {
-        let places: Vec<PortPlace> =
-            PLACES.iter().map(|share| PortPlace::At(share * self.scales.length)).collect();
         let few = |run: &usize| self.model.runs[*run].contact_order <= MOST_LINES;
         let runs: Vec<usize> = self.training.iter().copied().filter(few).collect();
         // The jumps of a force that is set-valued at rest move with everything: no tangent reaches far.
@@ -53,30 +47,65 @@ impl Study<'_> {
             return Vec::new();
         }
         let Some(known) = self.known(current, runs) else { return Vec::new() };
-        let mut promised: Vec<Promise> =
-            places.par_iter().filter_map(|&place| self.promises(current, place, &known)).flatten().collect();
-        promised.retain(|promise| promise.share > WORTH);
-        promised.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-        let count = self.residual_count() as f64;
-        let mut found: Vec<BalanceCandidate> = Vec::new();
-        for promise in promised {
-            if found.iter().any(|other| other.effect == promise.effect) {
-                continue;
-            }
-            let port =
-                Port { place: promise.place, law: PortLaw::Polynomial, coefficients: promise.coefficients };
-            let form = self.form(&current.fitted.setting, port, (promise.free, None));
-            let left = current.fitted.fit.cost - promise.gain;
-            found.push(BalanceCandidate {
-                effect: promise.effect,
-                sensor: None,
-                setting: form.setting,
-                criterion: left + form.unknowns.len() as f64 * count.ln(),
-                reduced: left / count,
-                unknowns: form.unknowns,
-            });
-        }
+        let places = PLACES.par_iter().map(|share| PortPlace::At(share * self.scales.length));
+        let forces = places.flat_map_iter(|place| self.forces(current, place, &known));
+        let steady = STEADY.par_iter().flat_map_iter(|id| self.changes(current, id, &known));
+        let mut found: Vec<BalanceCandidate> = forces.chain(steady).collect();
+        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        let mut seen = Vec::new();
+        found.retain(|candidate| {
+            let new = !seen.contains(&candidate.effect);
+            seen.push(candidate.effect);
+            new
+        });
+        found.truncate(ASKED);
         found
+    }
+
+    /// The index of an effect that may be asked for.
+    fn asked(&self, current: &Explained, id: &str) -> Option<usize> {
+        let effect = ALL.iter().position(|e| e.id() == id)?;
+        (self.case.allows(id) && !current.effects.contains(&effect)).then_some(effect)
+    }
+
+    /// A form of an effect as a candidate, where the share of χ² above the noise that it promises to take is worth it.
+    fn promising(
+        &self,
+        (current, known): (&Explained, &Known),
+        (effect, form): (usize, StructureForm),
+        gain: f64,
+    ) -> Option<BalanceCandidate> {
+        let count = self.residual_count() as f64;
+        let left = current.fitted.fit.cost - gain;
+        (gain > WORTH * known.excess).then(|| BalanceCandidate {
+            effect,
+            sensor: None,
+            criterion: left + form.unknowns.len() as f64 * count.ln(),
+            reduced: left / count,
+            setting: form.setting,
+            unknowns: form.unknowns,
+        })
+    }
+
+    /// The forms of a change of the structure.
+    fn changes(&self, current: &Explained, id: &str, known: &Known) -> Vec<BalanceCandidate> {
+        let Some(effect) = self.asked(current, id) else { return Vec::new() };
+        let forms = ALL[effect].structure_forms(self.case, &current.fitted.setting, &self.scales);
+        let candidate = |mut form: StructureForm| {
+            // Its size; shapes and places mean nothing without one.
+            let size = form.unknowns.first()?.clone();
+            let (warm, runs) = (current.fitted.memory.clone(), known.runs.clone());
+            let own = std::slice::from_ref(&size);
+            let (_, jacobian) =
+                linearised(&AccelerationFit::new(&self.model, form.setting.clone(), own, runs, warm))?;
+            let tangent = jacobian.resize_vertically(known.left.len(), 0.0).column(0).into_owned();
+            let (gain, values) = explained(&[known.beside.of(&tangent)], &known.left)?;
+            let (lowest, highest) = size.parameter.bounds;
+            let start = form.setting.get(size.quantity).unwrap_or_default();
+            form.setting.set(size.quantity, (start + values[0]).clamp(lowest, highest));
+            self.promising((current, known), (effect, form), gain)
+        };
+        forms.into_iter().filter_map(candidate).collect()
     }
 
     /// What is free already, at the present values; `None` where the model has no answer there.
@@ -102,8 +131,8 @@ impl Study<'_> {
         Some(Known { runs, beside, left, excess })
     }
 
-    /// What each smooth force at a place promises; `None` where the model has no answer there.
-    fn promises(&self, current: &Explained, place: PortPlace, known: &Known) -> Option<Vec<Promise>> {
+    /// The smooth forces at a place; none where the model has no answer there.
+    fn forces(&self, current: &Explained, place: PortPlace, known: &Known) -> Vec<BalanceCandidate> {
         let mut setting = current.fitted.setting.clone();
         setting.ports.push(Port { place, law: PortLaw::Polynomial, coefficients: [0.0; COEFFICIENTS] });
         let index = setting.ports.len() - 1;
@@ -111,22 +140,21 @@ impl Study<'_> {
             .map(|k| signed(Quantity::Port(index, k), ("coefficient", ""), 1.0, FREE))
             .collect();
         let warm = current.fitted.memory.with_idle_port(index);
-        let (_, jacobian) =
-            linearised(&AccelerationFit::new(&self.model, setting, &unknowns, known.runs.clone(), warm))?;
+        let problem = AccelerationFit::new(&self.model, setting, &unknowns, known.runs.clone(), warm);
+        let Some((_, jacobian)) = linearised(&problem) else { return Vec::new() };
         let tangents = jacobian.resize_vertically(known.left.len(), 0.0);
-        let promise = |&(id, free): &(&str, &'static [usize])| {
-            let effect = ALL.iter().position(|e| e.id() == id)?;
-            if !self.case.allows(id) || current.effects.contains(&effect) {
-                return None;
-            }
+        let candidate = |&(id, free): &(&str, &'static [usize])| {
+            let effect = self.asked(current, id)?;
             let columns: Vec<DVector<f64>> =
                 free.iter().map(|&k| known.beside.of(&tangents.column(k).into_owned())).collect();
             let (gain, values) = explained(&columns, &known.left)?;
             let mut coefficients = [0.0; COEFFICIENTS];
             free.iter().zip(&values).for_each(|(&k, value)| coefficients[k] = *value);
-            Some(Promise { place, effect, free, gain, share: gain / known.excess, coefficients })
+            let port = Port { place, law: PortLaw::Polynomial, coefficients };
+            let form = self.form(&current.fitted.setting, port, (free, None));
+            self.promising((current, known), (effect, form), gain)
         };
-        Some(SMOOTH.iter().filter_map(promise).collect())
+        SMOOTH.iter().filter_map(candidate).collect()
     }
 }
 

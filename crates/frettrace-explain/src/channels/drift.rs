@@ -16,35 +16,16 @@ pub(super) fn find(
 ) -> Vec<ChannelFault> {
     let Some(bare) = bare(runs, noise, channels) else { return Vec::new() };
     let sensors = bare.first().map_or(0, |b| b.drift.len());
-    let mut found: Vec<ChannelFault> = Vec::new();
-    for sensor in 0..sensors {
-        let (mut gain, mut loudness, mut ramp, mut hearing) = (0.0, 0.0, 0.0, 0);
-        for one in &bare {
-            let square = power(&one.drift[sensor]);
-            let of_run = square * one.run.force.len() as f64 / one.variance[sensor];
-            hearing += usize::from(of_run > HEARD_IN_A_RUN);
-            gain += of_run;
-            loudness += square / one.variance[sensor];
-            ramp += 2.0 * one.drift[sensor].first().copied().unwrap_or_default();
-        }
-        let count = bare.len() as f64;
-        let loud = gain > HEARD_IN_A_RUN * count && loudness > HEARD * HEARD * count;
-        if loud && 2 * hearing > bare.len() {
-            let mean = ramp / count;
-            let parameter = ("drift_over_record".into(), "m/s^2".into(), mean, mean.abs() * gain.powf(-0.5));
-            found.push(ChannelFault {
-                id: "measurement.offset",
-                sensor,
-                parameters: vec![parameter],
-                evidence: gain,
-            });
-        }
-    }
+    let heard: Vec<Heard> = (0..sensors).map(|sensor| Heard::of(&bare, sensor)).collect();
+    let loud = |(_, heard): &(usize, &Heard)| heard.sure && heard.loud && 2 * heard.runs > bare.len();
+    let mut found: Vec<ChannelFault> =
+        heard.iter().enumerate().filter(loud).map(|(sensor, heard)| heard.fault(sensor)).collect();
     if 2 * found.len() > sensors {
         return Vec::new();
     }
     found.retain(|fault| {
-        !(0..sensors).any(|other| other != fault.sensor && alike(&bare, [fault.sensor, other]))
+        let alike = |other: usize| heard[other].sure && alike(&bare, [fault.sensor, other]);
+        !(0..sensors).any(|other| other != fault.sensor && alike(other))
     });
     for fault in &found {
         for (one, signals) in bare.iter().zip(&mut channels.signal) {
@@ -55,25 +36,61 @@ pub(super) fn find(
     found
 }
 
+/// The drift of one channel in all runs.
+struct Heard {
+    /// χ² that it explains.
+    gain: f64,
+    /// Runs in which it explains enough.
+    runs: usize,
+    /// Whether it explains enough on the whole, and is large enough beside the noise.
+    sure: bool,
+    loud: bool,
+    /// Its mean rise from the first sample to the last (m/s²).
+    ramp: f64,
+}
+
+impl Heard {
+    fn of(bare: &[Bare<'_>], sensor: usize) -> Self {
+        let count = bare.len() as f64;
+        let over_noise = |one: &Bare<'_>| {
+            let drift = &one.drift[sensor];
+            product(drift, drift) / one.variance[sensor]
+        };
+        let gains = || bare.iter().map(|one| over_noise(one) * one.run.force.len() as f64);
+        let gain: f64 = gains().sum();
+        let loudness: f64 = bare.iter().map(over_noise).sum();
+        let rise = |one: &Bare<'_>| 2.0 * one.drift[sensor].first().copied().unwrap_or_default();
+        Self {
+            gain,
+            runs: gains().filter(|gain| *gain > HEARD_IN_A_RUN).count(),
+            sure: gain > HEARD_IN_A_RUN * count,
+            loud: loudness > HEARD * HEARD * count,
+            ramp: bare.iter().map(rise).sum::<f64>() / count,
+        }
+    }
+
+    fn fault(&self, sensor: usize) -> ChannelFault {
+        let std = self.ramp.abs() * self.gain.powf(-0.5);
+        let parameter = ("drift_over_record".into(), "m/s^2".into(), self.ramp, std);
+        ChannelFault {
+            id: "measurement.offset",
+            sensor,
+            parameters: vec![parameter],
+            evidence: self.gain,
+        }
+    }
+}
+
 /// Share of two channels' drifts that is common to them from which it is a motion that both see.
 const COMMON: f64 = 0.5;
 
-/// Whether another channel, in which a drift is sure too, drifts as one channel does, run by run.
+/// Whether two channels drift alike, run by run.
 fn alike(bare: &[Bare<'_>], [one, other]: [usize; 2]) -> bool {
-    let product = |a: usize, b: usize| -> f64 {
-        let of_run = |run: &Bare<'_>| -> f64 {
-            let pairs = run.drift[a].iter().zip(&run.drift[b]).zip(1..);
-            pairs.map(|((a, b), k)| a * b / f64::from(2 * k + 1)).sum()
-        };
-        bare.iter().map(of_run).sum()
-    };
-    let square = product(other, other);
-    let sure = bare.iter().map(|b| b.run.force.len() as f64 / b.variance[other]).sum::<f64>() * square
-        > HEARD_IN_A_RUN * (bare.len() as f64).powi(2);
-    sure && product(one, other).powi(2) > COMMON * product(one, one) * square
+    let sum = |a: usize, b: usize| bare.iter().map(|run| product(&run.drift[a], &run.drift[b])).sum::<f64>();
+    sum(one, other).powi(2) > COMMON * sum(one, one) * sum(other, other)
 }
 
-/// Mean square of a drift over the record.
-fn power(coefficients: &[f64]) -> f64 {
-    coefficients.iter().zip(1..).map(|(c, k)| c * c / f64::from(2 * k + 1)).sum()
+/// Mean product of two drifts over the record.
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).zip(1..).map(|((a, b), k)| a * b / f64::from(2 * k + 1)).sum()
 }

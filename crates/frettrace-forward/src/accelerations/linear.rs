@@ -61,9 +61,7 @@ impl<'a> Tangent<'a> {
             samples.into_iter().map(|x| [x]).collect::<Vec<_>>()
         };
         let mut slip = row(0);
-        if let Some(mean) = slip.first_mut() {
-            *mean = Complex64::ZERO;
-        }
+        e.centre(&mut slip);
         let speed = velocity(&slip, e.lines.omega);
         let mut direction =
             Direction { slip: sampled(&slip), velocity: sampled(&speed), ..Direction::default() };
@@ -243,7 +241,10 @@ impl<'a> Tangent<'a> {
         let turn = Complex64::new(0.0, line as f64 * e.lines.omega);
         let row = |row: usize| -e.block.at(line, row, 1 + port);
         let wave = |value: Complex64, out: &mut [[f64; LANES]]| tables.wave((line, lane), value, out);
-        let slip = if line == 0 { Complex64::ZERO } else { row(0) };
+        let mut slip = row(0);
+        if line == 0 {
+            e.centre(std::slice::from_mut(&mut slip));
+        }
         wave(slip, &mut direction.slip);
         wave(slip * turn, &mut direction.velocity);
         if !direction.support.is_empty() {

@@ -51,6 +51,21 @@ pub struct Memory {
 }
 
 impl Memory {
+    /// Begins a run from a mean of the friction force (N): no accelerometer sees it, and where friction depends on the contact's place
+    /// several may be in balance.
+    pub fn begin_from(&mut self, run: usize, mean: f64) {
+        if self.runs.len() <= run {
+            self.runs.resize_with(run + 1, RunMemory::default);
+        }
+        self.runs[run] = RunMemory::with_mean_force(mean);
+    }
+
+    /// Whether a solution of the run, or where to begin it, is known.
+    #[must_use]
+    pub fn knows(&self, run: usize) -> bool {
+        self.runs.get(run).is_some_and(RunMemory::is_begun)
+    }
+
     /// The solutions of a setting with `ports` ports, for the same setting with one more that exerts nothing.
     #[must_use]
     pub fn with_idle_port(&self, ports: usize) -> Self {

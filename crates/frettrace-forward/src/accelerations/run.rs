@@ -151,14 +151,18 @@ impl Evaluation<'_> {
         samples
     }
 
+    /// Takes the mean from the lines of the slip where no law asks for it: the contact starts from it then, whatever holds it there.
+    pub fn centre(&self, slip: &mut [Complex64]) {
+        if let Some(mean) = slip.first_mut().filter(|_| !self.setting.law.depends_on_place()) {
+            *mean = Complex64::ZERO;
+        }
+    }
+
     /// Motions, then forces, of the given harmonics.
     pub fn evaluate(&self, unknowns: &[f64], scratch: &mut GridScratch) -> State {
         let mut state = State::default();
         let [mut slip, velocity] = self.motion_lines(unknowns, 0);
-        // The mean slip is not seen by anything: the contact starts from it.
-        if let Some(mean) = slip.first_mut() {
-            *mean = Complex64::ZERO;
-        }
+        self.centre(&mut slip);
         state.contact.slip = self.sample(&slip, scratch);
         state.contact.velocity = self.sample(&velocity, scratch);
         let mut support = vec![0.0; self.grid.samples()];

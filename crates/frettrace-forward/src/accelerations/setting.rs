@@ -106,9 +106,9 @@ pub enum Quantity {
     ClampCompliance,
     /// Relative change of all natural frequencies from the first run to the last.
     Drift,
-    /// Rate `k` at which a drift settles: `G(p)/G(1)` of it has come by `p` of the runs, `G(p) = 1 − (1 + m k p)^(−1/m)`.
+    /// Rate `k` at which a drift settles, see [`Setting::drift_course`].
     DriftRate,
-    /// Slowing `m` of that: exponential for 0, rational for 1, logarithmic for large ones.
+    /// Slowing `m` of that.
     DriftSlowing,
     /// Local compliance of the contact beside that of the modes (m/N).
     ContactCompliance,
@@ -150,7 +150,9 @@ pub struct Setting {
     pub clamp_compliance: f64,
     /// Relative change of all natural frequencies from the first run to the last.
     pub drift: f64,
-    /// Rate and slowing of its course over the runs, see [`Quantity::DriftRate`].
+    /// Rate `k ≥ 0` and slowing `m ≥ 0` of its course: by `p` of the runs `G(p)/G(1)` of it has come, `G(p) = 1 − (1 + m k p)^(−1/m)`.
+    /// Steady for `k = 0`; with `m` it goes from an exponential (`m → 0`, warming) over a rational course (`m = 1`) to a logarithmic
+    /// one (`m ≫ 1`, bolts that relax).
     pub drift_course: [f64; 2],
     /// Local compliance of the contact beside that of the modes (m/N).
     pub contact_compliance: f64,
@@ -165,18 +167,14 @@ pub struct Setting {
     pub sensors: Vec<SensorSetting>,
 }
 
-/// Share of a drift that has come by `progress` between the first run (0) and the last (1): `G(p)/G(1)` with
-/// `G(p) = 1 − (1 + m k p)^(−1/m)`.
-///
-/// Steady for a rate `k = 0`; with the slowing `m` it goes from an exponential (`m → 0`, warming) over a rational course (`m = 1`) to
-/// a logarithmic one (`m ≫ 1`, bolts that relax).
+/// Share of a drift that has come by `progress` between the first run (0) and the last (1), see [`Setting::drift_course`].
 pub(super) fn course([rate, slowing]: [f64; 2], progress: f64) -> f64 {
     let slowing = slowing.max(LEAST_SLOWING);
     let come = |p: f64| -(-(slowing * rate * p).ln_1p() / slowing).exp_m1();
     if rate.abs() < STEADY { progress } else { come(progress) / come(1.0) }
 }
 
-/// Rate below which a drift is steady: its course is within a quarter of that of it.
+/// Rate below which a drift is steady: its course is off a straight line by `k(1 + m)/8` at half time.
 const STEADY: f64 = 1e-9;
 /// Slowing below which a course is the exponential one to rounding.
 const LEAST_SLOWING: f64 = 1e-6;

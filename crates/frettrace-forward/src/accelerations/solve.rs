@@ -19,6 +19,23 @@ pub struct RunMemory {
 }
 
 impl RunMemory {
+    /// Nothing known but the mean of the friction force (N), which no accelerometer sees.
+    pub(super) fn with_mean_force(mean: f64) -> Self {
+        Self { unknowns: vec![mean], factor: None }
+    }
+
+    pub(super) fn is_begun(&self) -> bool {
+        !self.unknowns.is_empty()
+    }
+
+    /// Begins anew from the accelerations, and from the mean of the friction force that was known.
+    fn begin(&mut self, e: &Evaluation<'_>) {
+        let mean = self.unknowns.first().copied().unwrap_or_default();
+        self.unknowns = recover(e);
+        self.unknowns[0] = mean;
+        self.factor = None;
+    }
+
     /// The solution with one more port, after `ports` others and the contact, that exerts nothing.
     pub(super) fn with_idle_port(&self, ports: usize) -> Self {
         let mut unknowns = self.unknowns.clone();
@@ -38,8 +55,8 @@ impl RunMemory {
     }
 }
 
-/// Largest effect of an imbalance of the forces on any line, in standard deviations.
-fn imbalance(e: &Evaluation<'_>, difference: &[f64]) -> f64 {
+/// Largest effect of some forces on any line, in standard deviations.
+fn effect(e: &Evaluation<'_>, forces: &[f64]) -> f64 {
     let mut worst: f64 = 0.0;
     for s in 0..e.layout.sensors {
         for h in 1..=e.lines.order() {
@@ -47,12 +64,26 @@ fn imbalance(e: &Evaluation<'_>, difference: &[f64]) -> f64 {
             let mut sum = Complex64::ZERO;
             for port in 0..=e.layout.ports {
                 sum += e.block.at(h, Layout::sensor_row(s), 1 + port)
-                    * coefficient(difference, e.order(), port, h);
+                    * coefficient(forces, e.order(), port, h);
             }
             worst = worst.max(sum.norm() * at * at / e.lines.deviation[s][h]);
         }
     }
     worst
+}
+
+/// Largest effect of an imbalance of the forces on any line, in standard deviations. Its mean is seen on none, but moves a contact
+/// whose friction depends on its place: by a share of its slip, which counts as that share of all forces.
+fn imbalance(e: &Evaluation<'_>, (state, unknowns): (&State, &[f64]), difference: &[f64]) -> f64 {
+    let left = effect(e, difference);
+    if !e.setting.law.depends_on_place() {
+        return left;
+    }
+    let slip = &state.contact.slip;
+    let mean = slip.iter().sum::<f64>() / slip.len() as f64;
+    let size = (slip.iter().map(|u| (u - mean) * (u - mean)).sum::<f64>() / slip.len() as f64).sqrt();
+    let moved = (e.block.at(0, 0, 1).re * difference[0]).abs();
+    left.max(moved / size.max(f64::MIN_POSITIVE) * effect(e, unknowns))
 }
 
 /// Share of the tolerance that a rigid contact is held to: there the imbalance is of held forces and velocities.
@@ -64,8 +95,7 @@ const PATIENCE: usize = 8;
 /// Newton's method with a kept factor, renewed where it no longer contracts.
 pub(super) fn solve(e: &Evaluation<'_>, kept: &mut RunMemory, tolerance: f64) -> Result<(), f64> {
     if kept.unknowns.len() != e.width() {
-        kept.factor = None;
-        kept.unknowns = recover(e);
+        kept.begin(e);
     }
     newton(&Balanced { e, offset: &[] }, kept, tolerance)
 }
@@ -84,6 +114,7 @@ pub(super) fn approach<'a>(
     kept: &mut RunMemory,
     (others, tolerance): (impl Iterator<Item = &'a RunMemory>, f64),
 ) -> Result<(), f64> {
+    let mean = kept.unknowns.first().copied();
     if solve(e, kept, tolerance).is_ok() {
         return Ok(());
     }
@@ -94,8 +125,8 @@ pub(super) fn approach<'a>(
             return Ok(());
         }
     }
-    kept.factor = None;
-    kept.unknowns = recover(e);
+    kept.unknowns = mean.into_iter().collect();
+    kept.begin(e);
     let begun = balanced.at(&kept.unknowns, &mut e.grid.scratch()).difference;
     let (mut level, mut stride) = (0.0, STRIDE[0]);
     let mut last = kept.unknowns.clone();
@@ -137,7 +168,7 @@ impl Balanced<'_, '_> {
         let answer = self.e.answer(&state, scratch);
         let mut difference: Vec<f64> = unknowns.iter().zip(&answer).map(|(x, a)| x - a).collect();
         difference.iter_mut().zip(self.offset).for_each(|(d, offset)| *d -= offset);
-        let left = imbalance(self.e, &difference);
+        let left = imbalance(self.e, (&state, unknowns), &difference);
         Imbalance { state, difference, left }
     }
 }

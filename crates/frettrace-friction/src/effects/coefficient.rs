@@ -137,6 +137,14 @@ impl<T: Scalar> ModifiedLaw<T> {
         factor
     }
 
+    /// Whether the friction coefficient depends on where on its path the contact is, and not only on how it moves.
+    #[must_use]
+    pub fn depends_on_place(&self) -> bool {
+        [Hook::Position, Hook::PositionSquare, Hook::PositionCube, Hook::PeriodicNumber]
+            .into_iter()
+            .any(|hook| self.on(hook))
+    }
+
     /// Whether the friction coefficient changes along a stretch.
     pub(super) fn varies(&self) -> bool {
         [Hook::StribeckRise, Hook::FilmLoss, Hook::AgeingGain, Hook::Position, Hook::PositionSquare]
