@@ -10,7 +10,7 @@ use crate::effects::FREE;
 use crate::series_fit::SeriesContact;
 use frettrace_forward::accelerations::{AccelerationError, AccelerationModel, Balance};
 use frettrace_fourier::{Grid, GridError};
-use frettrace_friction::effects::{Hook, ModifiedLaw};
+use frettrace_friction::effects::{Hook, ModifiedLaw, ModifiedState};
 use frettrace_identify::{Fit, FitSettings, IdentifyError, Model, NoSolution, Parameter, Transform, fit};
 pub(crate) use march::{LANES, columns};
 use nalgebra::{DMatrix, DMatrixViewMut};
@@ -159,19 +159,19 @@ impl Recovered {
         (self.slip.iter().map(|u| u * u).sum::<f64>() / self.slip.len() as f64).sqrt()
     }
 
-    fn residual(&self, law: &ModifiedLaw<f64>, modulation: usize, out: &mut [f64]) {
-        self.left(&self.answer(law, modulation), out);
+    fn residual(&self, law: &ModifiedLaw<f64>, modulation: usize, out: &mut [f64]) -> ModifiedState<f64> {
+        let (state, force) = self.settled(law, modulation);
+        self.left(&force, out);
+        state
     }
 
-    /// The residual, and its derivatives by the hooks of a law, a column each.
+    /// Derivatives of the residual by the hooks of a law, a column each, with the `state` in which its settled period begins.
     fn linearise(
         &self,
         (law, modulation): (&ModifiedLaw<f64>, usize),
         hooks: &[(usize, Hook)],
-        (residual, jacobian): (&mut [f64], DMatrixViewMut<'_, f64>),
+        (state, jacobian): (ModifiedState<f64>, DMatrixViewMut<'_, f64>),
     ) {
-        let (state, force) = self.settled(law, modulation);
-        self.left(&force, residual);
         let whitened = |samples: &[f64]| {
             let lines = self.lines(samples);
             (self.first..self.force.len()).map(|h| lines[h] / self.deviation[h]).collect()
@@ -271,10 +271,10 @@ impl<'a> ContactProblem<'a> {
         law
     }
 
-    /// Fits it in at most so many steps, from the given mean slip in units of the RMS of the slip.
-    pub fn solve(&self, most: usize, mean: f64) -> Result<Fit, IdentifyError> {
+    /// Fits it in at most so many steps, from the given mean slips (m), nothing where none is given.
+    pub fn solve(&self, most: usize, means: &[f64]) -> Result<Fit, IdentifyError> {
         let values = self.hooks.iter().map(|h| self.law.get(*h).unwrap_or_default());
-        let means = self.recovered.periodic.iter().map(|run| mean * run.stroke());
+        let means = means.iter().copied().chain(std::iter::repeat(0.0));
         let start: Vec<f64> = values.chain(means).take(self.parameters.len()).collect();
         let settings = FitSettings {
             max_iterations: most,
@@ -309,8 +309,16 @@ impl<'a> ContactProblem<'a> {
     }
 }
 
+/// The residual at some values, with the states in which the settled periods of the runs begin: what derivatives begin from.
+#[derive(Clone, Default)]
+pub(crate) struct Settled {
+    values: Vec<f64>,
+    residual: Vec<f64>,
+    states: Vec<ModifiedState<f64>>,
+}
+
 impl Model for ContactProblem<'_> {
-    type Memory = ();
+    type Memory = Settled;
 
     fn parameters(&self) -> &[Parameter] {
         &self.parameters
@@ -324,19 +332,24 @@ impl Model for ContactProblem<'_> {
         periodic + self.recovered.series.iter().map(|s| s.count()).sum::<usize>()
     }
 
-    fn memory(&self) {}
+    fn memory(&self) -> Settled {
+        Settled::default()
+    }
 
-    fn residual(&self, values: &[f64], _memory: &mut (), residual: &mut [f64]) -> Result<(), NoSolution> {
+    fn residual(&self, values: &[f64], memory: &mut Settled, residual: &mut [f64]) -> Result<(), NoSolution> {
         let law = self.at(values);
         let mut at = 0;
+        memory.states.clear();
         for (recovered, rows) in self.placed(values) {
             at = rows.end;
-            recovered.residual(&law, self.modulation, &mut residual[rows]);
+            memory.states.push(recovered.residual(&law, self.modulation, &mut residual[rows]));
         }
         for series in &self.recovered.series {
             series.residual(&law, &mut residual[at..at + series.count()]);
             at += series.count();
         }
+        memory.values = values.to_vec();
+        memory.residual = residual.to_vec();
         if residual.iter().all(|r| r.is_finite()) { Ok(()) } else { Err(NoSolution) }
     }
 
@@ -344,16 +357,21 @@ impl Model for ContactProblem<'_> {
         &self,
         values: &[f64],
         free: &[bool],
-        _memory: &mut (),
+        memory: &mut Settled,
         target: (&mut [f64], &mut DMatrix<f64>),
     ) -> Result<(), NoSolution> {
         let (residual, jacobian) = target;
+        if memory.values == values {
+            residual.copy_from_slice(&memory.residual);
+        } else {
+            self.residual(values, memory, residual)?;
+        }
         let law = self.at(values);
         let hooks: Vec<(usize, Hook)> =
             self.hooks.iter().copied().enumerate().filter(|(j, _)| free[*j]).collect();
         let mut at = 0;
         for (k, (recovered, rows)) in self.placed(values).enumerate() {
-            let part = (&mut residual[rows.clone()], jacobian.rows_mut(rows.start, rows.len()));
+            let part = (memory.states[k], jacobian.rows_mut(rows.start, rows.len()));
             recovered.linearise((&law, self.modulation), &hooks, part);
             let column = self.hooks.len() + k;
             if let Some(mean) = values.get(column).filter(|_| free[column]) {
@@ -386,10 +404,10 @@ const MEAN_STEPS: usize = 8;
 /// Mean of the friction force (N) that a law whose friction depends on the contact's place has in a recovered run: of the places
 /// where it may be, the one that the run was recovered from.
 pub(crate) fn mean_force(recovered: Recovered, (law, modulation): (ModifiedLaw<f64>, usize)) -> Option<f64> {
-    let give = recovered.give;
+    let (give, stroke) = (recovered.give, recovered.stroke());
     let one = Contacts { periodic: vec![recovered], series: Vec::new() };
     let problem = ContactProblem::new(&one, (law, modulation), (Vec::new(), Vec::new()));
-    let found = MEANS.iter().filter_map(|&mean| problem.solve(MEAN_STEPS, mean).ok());
+    let found = MEANS.iter().filter_map(|&mean| problem.solve(MEAN_STEPS, &[mean * stroke]).ok());
     let best = found.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
     Some(-problem.means(&best.values).first()? / give)
 }

@@ -8,12 +8,18 @@ use crate::study::{as_declared, merge};
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::{AccelerationError, Memory, Quantity, Setting};
 use frettrace_friction::effects::{Hook, ModifiedLaw};
-use frettrace_identify::{Model, Parameter};
+use frettrace_identify::{Model, Parameter, Status};
 use rayon::prelude::*;
 
-/// Steps of the fit that every form gets on the recovered contacts, and forms that get all of them.
-const GLANCE: usize = 3;
+/// Steps of the fit that every form gets on the recovered contacts from every start of the law, and the starts of a form that get …
+const FIRST: usize = 1;
+const STARTS_OF_ONE: usize = 2;
+/// … so many.
+const GLANCE: usize = 2;
+/// Forms that are fitted further, the steps after which the hopeless are left, and the most that any gets.
 const LOOK: usize = 8;
+const PART: usize = 10;
+const ALL_STEPS: usize = 30;
 /// Forms of one effect among these.
 const LOOKS_OF_ONE: usize = 3;
 /// Forms tried from other starts of the law where none comes near.
@@ -36,6 +42,15 @@ pub(crate) struct ContactCandidate {
     pub reduced: f64,
     /// Whether a value that the effect brought lies on its bound: there the effect, or a part of its form, is not used.
     pub bound: bool,
+    /// Mean slips (m) of the recovered contacts, where friction depends on the place.
+    means: Vec<f64>,
+    /// Whether more steps promise more.
+    open: bool,
+}
+
+/// Whether a candidate is so near the best one that the whole model may be fitted with it.
+pub(crate) fn within_reach(criterion: f64, best: f64) -> bool {
+    criterion < 3.0 * best + 500.0
 }
 
 /// χ² per residual on the recovered contacts from which other starts of the declared law are tried.
@@ -153,7 +168,7 @@ impl Study<'_> {
         begun.truncate(ENDED);
         let ended = begun
             .into_par_iter()
-            .filter_map(|c| fitted(recovered, &Setting { law: c.law, ..setting.clone() }, 30));
+            .filter_map(|c| fitted(recovered, &Setting { law: c.law, ..setting.clone() }, ALL_STEPS));
         let ended: Vec<ContactCandidate> = ended.collect();
         ended.into_iter().chain([first]).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
     }
@@ -204,9 +219,9 @@ impl Study<'_> {
             .unzip();
         let modulated = law.get(Hook::ModulationCosine).is_some() && !form.changes.is_empty();
         let modulation = if modulated { form.modulation } else { setting.modulation };
-        let law = from.map_or(law, |begun| begun.law);
+        let (law, means) = from.map_or((law, &[][..]), |begun| (begun.law, &begun.means));
         let problem = ContactProblem::new(recovered, (law, modulation), (hooks, parameters));
-        let fit = problem.solve(most, 0.0).ok()?;
+        let fit = problem.solve(most, means).ok()?;
         let count = problem.residual_count() as f64;
         let brought = |hook: &Hook| added.iter().any(|u| u.quantity == Quantity::Law(*hook));
         let bound = problem.is_bound(&fit, brought);
@@ -217,6 +232,8 @@ impl Study<'_> {
             law: problem.at(&fit.values),
             modulation,
             criterion: fit.cost + fit.values.len() as f64 * count.ln(),
+            means: problem.means(&fit.values).to_vec(),
+            open: fit.status == Status::IterationLimit,
             unknowns,
         })
     }
@@ -238,11 +255,12 @@ impl Study<'_> {
                 effect.contact_forms(&setting.law, &self.scales).into_iter().map(move |form| (index, form))
             })
             .collect();
-        let tried = |recovered: &Contacts,
-                     (index, form): &(usize, ContactForm),
-                     (law, most): (ModifiedLaw<f64>, usize)| {
-            let setting = Setting { law, ..setting.clone() };
-            self.contact_candidate(recovered, &setting, law_unknowns, (*index, form), most)
+        let further = |recovered: &Contacts, (candidate, k): &(ContactCandidate, usize), most: usize| {
+            let (index, form) = &forms[*k];
+            let setting = Setting { law: candidate.law, ..setting.clone() };
+            let from = Some(candidate);
+            self.contact_steps(recovered, &setting, law_unknowns, (*index, form), (from, most))
+                .map(|found| (found, *k))
         };
         // A few steps for every form on what is quick to march, all steps on everything for the best. A law that misses the
         // contacts by far may be bent too much to show what it lacks: others stand beside it.
@@ -251,20 +269,31 @@ impl Study<'_> {
         if reduced > POOR && law_unknowns.len() > 2 {
             laws.extend(starts(&setting.law, &self.scales, (recovered, setting.rigid)));
         }
-        let pairs: Vec<(usize, ModifiedLaw<f64>)> =
-            laws.iter().flat_map(|law| (0..forms.len()).map(|k| (k, *law))).collect();
-        let mut order: Vec<(f64, usize)> = pairs
-            .par_iter()
-            .enumerate()
-            .filter_map(|(pair, &(k, law))| Some((tried(&quick, &forms[k], (law, GLANCE))?.criterion, pair)))
-            .collect();
+        let begun = |k: usize| -> Vec<(ContactCandidate, usize)> {
+            let (index, form) = &forms[k];
+            let from = |law: &ModifiedLaw<f64>| {
+                let setting = Setting { law: *law, ..setting.clone() };
+                self.contact_steps(&quick, &setting, law_unknowns, (*index, form), (None, FIRST))
+            };
+            let mut found: Vec<ContactCandidate> = laws.par_iter().filter_map(from).collect();
+            found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+            found.truncate(STARTS_OF_ONE);
+            found.into_iter().filter_map(|one| further(&quick, &(one, k), GLANCE)).collect()
+        };
+        let glanced: Vec<(ContactCandidate, usize)> =
+            (0..forms.len()).into_par_iter().flat_map_iter(begun).collect();
+        let mut order: Vec<(f64, usize)> =
+            glanced.iter().enumerate().map(|(place, (one, _))| (one.criterion, place)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        few_of_each(&mut order, LOOK, |pair| forms[pairs[pair].0].0);
-        let mut looked: Vec<(ContactCandidate, usize)> = order
-            .par_iter()
-            .filter_map(|&(_, pair)| {
-                let (k, law) = pairs[pair];
-                Some((tried(recovered, &forms[k], (law, 30))?, k))
+        few_of_each(&mut order, LOOK, |place| forms[glanced[place].1].0);
+        let mut looked: Vec<(ContactCandidate, usize)> =
+            order.par_iter().filter_map(|&(_, place)| further(recovered, &glanced[place], PART)).collect();
+        let best = looked.iter().map(|(one, _)| one.criterion).fold(f64::INFINITY, f64::min);
+        looked = looked
+            .into_par_iter()
+            .map(|one| {
+                let more = one.0.open && within_reach(one.0.criterion, best);
+                if more { further(recovered, &one, ALL_STEPS - PART).unwrap_or(one) } else { one }
             })
             .collect();
         looked.sort_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
@@ -315,6 +344,6 @@ impl Study<'_> {
             .filter_map(|(k, law)| candidate(&quick, k, law, BEGIN).map(|c| (c.criterion, k, law)))
             .collect();
         begun.sort_by(|a, b| a.0.total_cmp(&b.0));
-        begun.par_iter().take(AGAIN).filter_map(|&(_, k, law)| candidate(recovered, k, law, 30)).collect()
+        begun.par_iter().take(AGAIN).filter_map(|&(_, k, law)| candidate(recovered, k, law, ALL_STEPS)).collect()
     }
 }

@@ -1,6 +1,6 @@
 //! The search: the whole model for the few candidates that stand out on the recovered contacts or on the balance.
 
-use crate::contact_search::ContactCandidate;
+use crate::contact_search::{ContactCandidate, within_reach};
 use crate::study::merge;
 use crate::{ExplainError, Fitted, Study, Unknown};
 use frettrace_forward::accelerations::{Quantity, Setting};
@@ -197,7 +197,7 @@ impl Study<'_> {
         let mut tried: Vec<Explained> = candidates
             .par_iter()
             .take(BEST)
-            .filter(|candidate| candidate.criterion < 3.0 * best + 500.0)
+            .filter(|candidate| within_reach(candidate.criterion, best))
             .filter_map(|candidate| {
                 let mut setting = from.fitted.setting.clone();
                 setting.law = candidate.law;

@@ -10,11 +10,6 @@ use num_complex::Complex64;
 pub(crate) const LANES: usize = 8;
 
 impl Recovered {
-    /// Force of the law over the settled period.
-    pub fn answer(&self, law: &ModifiedLaw<f64>, modulation: usize) -> Vec<f64> {
-        self.settled(law, modulation).1
-    }
-
     fn along(&self, modulation: usize) -> Periodic<'_> {
         Periodic {
             slip: &self.slip,

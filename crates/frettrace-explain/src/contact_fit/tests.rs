@@ -78,14 +78,14 @@ fn derivatives_are_those_of_differences() {
                 let rows = problem.residual_count();
                 let mut residual = vec![0.0; rows];
                 let mut jacobian = DMatrix::zeros(rows, values.len());
-                problem.linearise(&values, &free, &mut (), (&mut residual, &mut jacobian)).unwrap();
+                problem.linearise(&values, &free, &mut problem.memory(), (&mut residual, &mut jacobian)).unwrap();
                 for j in 0..values.len() {
                     let step = if values[j] == 0.0 { 1e-6 } else { 1e-5 * values[j] };
                     let moved = |by: f64| {
                         let mut values = values.clone();
                         values[j] += by;
                         let mut out = vec![0.0; rows];
-                        problem.residual(&values, &mut (), &mut out).unwrap();
+                        problem.residual(&values, &mut problem.memory(), &mut out).unwrap();
                         out
                     };
                     let (above, below) = (moved(step), moved(-step));
@@ -127,7 +127,7 @@ fn a_mean_slip_shows_in_a_friction_that_depends_on_the_place() {
         dt: 0.05 / f64::from(samples),
         ..motion(false)
     };
-    let force = fine.lines(&fine.answer(&law, 1));
+    let force = fine.lines(&fine.settled(&law, 1).1);
     let give = -mean / force[0].re;
     let mut seen = Recovered { force, give, ..motion(false) };
     seen.force[0] = Complex64::ZERO;
