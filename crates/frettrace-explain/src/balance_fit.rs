@@ -1,6 +1,6 @@
 //! Structure, excitation and sensors on the balance of the runs: no friction law takes part.
 
-use crate::contact_search::few_of_each;
+use crate::contact_search::{few_of_each, within_reach};
 use crate::effects::{ALL, StructureForm};
 use crate::study::merge;
 use crate::{Study, Unknown};
@@ -52,6 +52,32 @@ impl<'a> BalanceProblem<'a> {
         setting
     }
 
+    /// The residual and its derivatives where no port answers.
+    fn slopes(
+        &self,
+        setting: &Setting,
+        free: &[bool],
+        (residual, jacobian): (&mut [f64], &mut DMatrix<f64>),
+    ) -> Result<(), NoSolution> {
+        let (places, quantities): (Vec<usize>, Vec<Quantity>) =
+            self.quantities.iter().enumerate().filter(|(j, _)| free[*j]).unzip();
+        let found = self.model.balance_slopes(setting, &quantities, self.runs).map_err(|_| NoSolution)?;
+        let mut at = 0;
+        for (balance, columns) in &found {
+            for (s, lines) in balance.left.iter().enumerate() {
+                for (h, left) in lines.iter().enumerate() {
+                    (residual[at], residual[at + 1]) = (left.re, left.im);
+                    for (column, &j) in columns.iter().zip(&places) {
+                        (jacobian[(at, j)], jacobian[(at + 1, j)]) = (column[s][h].re, column[s][h].im);
+                    }
+                    at += 2;
+                }
+            }
+        }
+        let finite = residual.iter().chain(jacobian.iter()).all(|value| value.is_finite());
+        if finite { Ok(()) } else { Err(NoSolution) }
+    }
+
     fn start(&self) -> Vec<f64> {
         self.quantities.iter().map(|&q| self.setting.get(q).unwrap_or_default()).collect()
     }
@@ -100,6 +126,10 @@ impl Model for BalanceProblem<'_> {
         target: (&mut [f64], &mut DMatrix<f64>),
     ) -> Result<(), NoSolution> {
         let (residual, jacobian) = target;
+        let setting = self.at(values);
+        if setting.ports.is_empty() && self.beside == Beside::Nothing {
+            return self.slopes(&setting, free, (residual, jacobian));
+        }
         self.residual(values, memory, residual)?;
         let mut beside = vec![0.0; residual.len()];
         for j in (0..values.len()).filter(|&j| free[j]) {
@@ -215,14 +245,23 @@ impl Study<'_> {
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         few_of_each(&mut order, PROMISING, |k| forms[k].0);
         let base = merge(&self.structure_unknowns(), added);
-        let mut found: Vec<BalanceCandidate> = order
+        // The effect's own values first, then, where that comes near, the structure beside them.
+        let own: Vec<(BalanceCandidate, &StructureForm)> = order
             .par_iter()
             .map(|(_, k)| {
                 let (effect, form) = &forms[*k];
-                // The effect's own values first, then the structure beside them.
-                let own = self.balance_fit(*effect, form, &form.unknowns, 12);
+                (self.balance_fit(*effect, form, &form.unknowns, 12), form)
+            })
+            .collect();
+        let least = own.iter().map(|(one, _)| one.criterion).fold(f64::INFINITY, f64::min);
+        let mut found: Vec<BalanceCandidate> = own
+            .into_par_iter()
+            .map(|(own, form)| {
+                if !within_reach(own.criterion, least) {
+                    return own;
+                }
                 let again = StructureForm { setting: own.setting, ..form.clone() };
-                self.balance_fit(*effect, &again, &merge(&base, &form.unknowns), 6)
+                self.balance_fit(own.effect, &again, &merge(&base, &form.unknowns), 6)
             })
             .collect();
         found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));

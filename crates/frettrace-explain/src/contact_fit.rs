@@ -22,6 +22,8 @@ use std::sync::Arc;
 /// Recovered motion and force lines of one run.
 #[derive(Clone)]
 pub(crate) struct Recovered {
+    /// Index of the run.
+    run: usize,
     pub slip: Vec<f64>,
     pub velocity: Vec<f64>,
     pub normal: Vec<f64>,
@@ -128,6 +130,7 @@ impl Recovered {
         let deviation = std::iter::once(mean_deviation).chain(deviation.into_iter().skip(1)).collect();
         let dt = std::f64::consts::TAU / lines.omega / samples as f64;
         Ok(Self {
+            run,
             slip,
             velocity,
             normal,
@@ -152,6 +155,24 @@ impl Recovered {
         moved.trial.iter_mut().for_each(|trial| *trial += held);
         moved.force[0] = Complex64::from(held);
         moved
+    }
+
+    /// The same on every second sample, where enough are left for the lines compared: for a first look.
+    fn coarse(&self) -> Self {
+        let compared = self.force.len() - 1;
+        let samples = self.slip.len() / 2;
+        let grid = if samples < 8 * compared { None } else { Grid::new(compared, samples).ok() };
+        // Where a rigid contact's force jumps is known to a part of a sample.
+        let Some(grid) = grid.filter(|_| self.trial.is_empty()) else { return self.clone() };
+        let thin = |x: &[f64]| x.iter().step_by(2).copied().collect();
+        Self {
+            slip: thin(&self.slip),
+            velocity: thin(&self.velocity),
+            normal: thin(&self.normal),
+            grid,
+            dt: 2.0 * self.dt,
+            ..self.clone()
+        }
     }
 
     /// RMS of the slip (m).
@@ -224,13 +245,27 @@ impl Contacts {
         self.periodic.iter().map(Recovered::sizes).reduce(larger).filter(|s| s.iter().all(|x| x.is_normal()))
     }
 
-    /// What is quick to march: the periodic runs, where they are not the fewer.
+    /// What is quick to march, for a first look: every second of many periodic runs, the last one among them, on fewer samples; the
+    /// others where the periodic ones are the fewer.
     pub fn quick(&self) -> Self {
+        let count = self.periodic.len();
+        let step = if count < MANY { 1 } else { 2 };
+        let mut periodic: Vec<Recovered> =
+            self.periodic.iter().rev().step_by(step).map(Recovered::coarse).collect();
+        periodic.reverse();
+        Self { periodic, ..self.steady() }
+    }
+
+    /// The periodic runs; the others too, where the periodic ones are the fewer.
+    pub fn steady(&self) -> Self {
         let few = self.periodic.len() < self.series.len();
         let series = if few { self.series.clone() } else { Vec::new() };
         Self { periodic: self.periodic.clone(), series }
     }
 }
+
+/// Periodic runs of which half are enough for a first look.
+const MANY: usize = 5;
 
 /// A law with some of its hooks free, against recovered contacts. Where its friction depends on the contact's place, the mean slip of
 /// every periodic run is free too: values behind those of the hooks.
@@ -292,8 +327,25 @@ impl<'a> ContactProblem<'a> {
     }
 
     /// Mean slips (m) among values; none where friction does not depend on the place.
-    pub fn means<'b>(&self, values: &'b [f64]) -> &'b [f64] {
+    fn means<'b>(&self, values: &'b [f64]) -> &'b [f64] {
         &values[self.hooks.len()..]
+    }
+
+    /// The same, each with the index of its run.
+    pub fn mean_slips(&self, values: &[f64]) -> Vec<(usize, f64)> {
+        self.recovered.periodic.iter().map(|run| run.run).zip(self.means(values).iter().copied()).collect()
+    }
+
+    /// Mean slips (m) of all runs to begin from: those known, and of the others what the law finds.
+    pub fn means_from(&self, known: &[(usize, f64)]) -> Vec<f64> {
+        if !self.law.depends_on_place() {
+            return Vec::new();
+        }
+        let of = |contact: &Recovered| {
+            let before = known.iter().find(|(run, _)| *run == contact.run).map(|(_, mean)| *mean);
+            before.or_else(|| mean_slip(contact, (self.law, self.modulation))).unwrap_or_default()
+        };
+        self.recovered.periodic.iter().map(of).collect()
     }
 
     /// Periodic runs with the mean slips that the values hold, each with its rows in the residual.
@@ -401,15 +453,19 @@ const MEANS: [f64; 5] = [0.0, -0.3, 0.3, -0.7, 0.7];
 /// Steps from each of them.
 const MEAN_STEPS: usize = 8;
 
+/// Mean slip (m) around which a law whose friction depends on the contact's place answers a recovered run best.
+fn mean_slip(recovered: &Recovered, (law, modulation): (ModifiedLaw<f64>, usize)) -> Option<f64> {
+    let one = Contacts { periodic: vec![recovered.clone()], series: Vec::new() };
+    let problem = ContactProblem::new(&one, (law, modulation), (Vec::new(), Vec::new()));
+    let found = MEANS.iter().filter_map(|mean| problem.solve(MEAN_STEPS, &[mean * recovered.stroke()]).ok());
+    let best = found.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+    problem.means(&best.values).first().copied()
+}
+
 /// Mean of the friction force (N) that a law whose friction depends on the contact's place has in a recovered run: of the places
 /// where it may be, the one that the run was recovered from.
-pub(crate) fn mean_force(recovered: Recovered, (law, modulation): (ModifiedLaw<f64>, usize)) -> Option<f64> {
-    let (give, stroke) = (recovered.give, recovered.stroke());
-    let one = Contacts { periodic: vec![recovered], series: Vec::new() };
-    let problem = ContactProblem::new(&one, (law, modulation), (Vec::new(), Vec::new()));
-    let found = MEANS.iter().filter_map(|&mean| problem.solve(MEAN_STEPS, &[mean * stroke]).ok());
-    let best = found.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-    Some(-problem.means(&best.values).first()? / give)
+pub(crate) fn mean_force(recovered: &Recovered, law: (ModifiedLaw<f64>, usize)) -> Option<f64> {
+    mean_slip(recovered, law).map(|mean| -mean / recovered.give)
 }
 
 /// Recovers the contact of the selected runs.

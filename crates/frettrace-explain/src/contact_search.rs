@@ -42,8 +42,8 @@ pub(crate) struct ContactCandidate {
     pub reduced: f64,
     /// Whether a value that the effect brought lies on its bound: there the effect, or a part of its form, is not used.
     pub bound: bool,
-    /// Mean slips (m) of the recovered contacts, where friction depends on the place.
-    means: Vec<f64>,
+    /// Mean slips (m) of the recovered contacts where friction depends on the place, each with the index of its run.
+    means: Vec<(usize, f64)>,
     /// Whether more steps promise more.
     open: bool,
 }
@@ -132,8 +132,7 @@ impl Study<'_> {
         let new: Vec<usize> = runs.iter().copied().filter(|&run| !memory.knows(run)).collect();
         let Ok(recovered) = self.recovered_runs(setting, &new) else { return };
         let law = (setting.law, setting.modulation);
-        let means: Vec<Option<f64>> =
-            recovered.into_par_iter().map(|contact| mean_force(contact, law)).collect();
+        let means: Vec<Option<f64>> = recovered.par_iter().map(|contact| mean_force(contact, law)).collect();
         for (&run, mean) in new.iter().zip(means) {
             if let Some(mean) = mean {
                 memory.begin_from(run, mean);
@@ -148,11 +147,9 @@ impl Study<'_> {
         setting: &Setting,
         law_unknowns: &[Unknown],
     ) -> Option<ContactCandidate> {
-        let form = ContactForm::new(Vec::new());
-        let fitted = |recovered: &Contacts, setting: &Setting, most: usize| {
-            self.contact_candidate(recovered, setting, law_unknowns, (usize::MAX, &form), most)
-        };
-        let first = fitted(recovered, setting, 20)?;
+        let plain = ContactForm::new(Vec::new());
+        let form = (usize::MAX, &plain);
+        let first = self.contact_candidate(recovered, setting, law_unknowns, form, 20)?;
         // Where a rigid contact's force jumps is known to a part of a sample only: χ² does not tell a poor end there.
         let good = first.reduced < POOR && !setting.rigid;
         if good || law_unknowns.len() < 3 {
@@ -160,20 +157,22 @@ impl Study<'_> {
         }
         // A law of many values has several minima: other starts, where the first end is poor, and the best of them goes on.
         let quick = recovered.quick();
-        let mut begun: Vec<ContactCandidate> = starts(&setting.law, &self.scales, (recovered, setting.rigid))
-            .into_par_iter()
-            .filter_map(|law| fitted(&quick, &Setting { law, ..setting.clone() }, BEGIN))
-            .collect();
+        let begin = |law| {
+            let setting = Setting { law, ..setting.clone() };
+            self.contact_steps(&quick, &setting, law_unknowns, form, (None, BEGIN))
+        };
+        let end = |begun: &ContactCandidate| {
+            self.contact_steps(recovered, setting, law_unknowns, form, (Some(begun), ALL_STEPS))
+        };
+        let others = starts(&setting.law, &self.scales, (recovered, setting.rigid));
+        let mut begun: Vec<ContactCandidate> = others.into_par_iter().filter_map(begin).collect();
         begun.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
         begun.truncate(ENDED);
-        let ended = begun
-            .into_par_iter()
-            .filter_map(|c| fitted(recovered, &Setting { law: c.law, ..setting.clone() }, ALL_STEPS));
-        let ended: Vec<ContactCandidate> = ended.collect();
+        let ended: Vec<ContactCandidate> = begun.par_iter().filter_map(end).collect();
         ended.into_iter().chain([first]).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
     }
 
-    /// A form of an effect on the recovered contacts, fitted to its end: on what is quick to march first, where that is not all.
+    /// A form of an effect on the recovered contacts, fitted to its end: on what is quick to march first.
     fn contact_candidate(
         &self,
         recovered: &Contacts,
@@ -182,11 +181,7 @@ impl Study<'_> {
         form: (usize, &ContactForm),
         most: usize,
     ) -> Option<ContactCandidate> {
-        let quick = recovered.quick();
-        let first = self.contact_steps(&quick, setting, law_unknowns, form, (None, most));
-        if quick.series.len() == recovered.series.len() {
-            return first;
-        }
+        let first = self.contact_steps(&recovered.quick(), setting, law_unknowns, form, (None, most));
         self.contact_steps(recovered, setting, law_unknowns, form, (first.as_ref(), most))
     }
 
@@ -219,9 +214,10 @@ impl Study<'_> {
             .unzip();
         let modulated = law.get(Hook::ModulationCosine).is_some() && !form.changes.is_empty();
         let modulation = if modulated { form.modulation } else { setting.modulation };
-        let (law, means) = from.map_or((law, &[][..]), |begun| (begun.law, &begun.means));
+        let law = from.map_or(law, |begun| begun.law);
         let problem = ContactProblem::new(recovered, (law, modulation), (hooks, parameters));
-        let fit = problem.solve(most, means).ok()?;
+        let means = from.map_or_else(Vec::new, |begun| problem.means_from(&begun.means));
+        let fit = problem.solve(most, &means).ok()?;
         let count = problem.residual_count() as f64;
         let brought = |hook: &Hook| added.iter().any(|u| u.quantity == Quantity::Law(*hook));
         let bound = problem.is_bound(&fit, brought);
@@ -232,7 +228,7 @@ impl Study<'_> {
             law: problem.at(&fit.values),
             modulation,
             criterion: fit.cost + fit.values.len() as f64 * count.ln(),
-            means: problem.means(&fit.values).to_vec(),
+            means: problem.mean_slips(&fit.values),
             open: fit.status == Status::IterationLimit,
             unknowns,
         })
@@ -286,16 +282,21 @@ impl Study<'_> {
             glanced.iter().enumerate().map(|(place, (one, _))| (one.criterion, place)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         few_of_each(&mut order, LOOK, |place| forms[glanced[place].1].0);
-        let mut looked: Vec<(ContactCandidate, usize)> =
-            order.par_iter().filter_map(|&(_, place)| further(recovered, &glanced[place], PART)).collect();
-        let best = looked.iter().map(|(one, _)| one.criterion).fold(f64::INFINITY, f64::min);
-        looked = looked
-            .into_par_iter()
-            .map(|one| {
-                let more = one.0.open && within_reach(one.0.criterion, best);
-                if more { further(recovered, &one, ALL_STEPS - PART).unwrap_or(one) } else { one }
-            })
-            .collect();
+        // Runs without a period, dear to march, join those that come near; what they cost the others is counted.
+        let steady = recovered.steady();
+        let part: Vec<(ContactCandidate, usize)> =
+            order.par_iter().filter_map(|&(_, place)| further(&steady, &glanced[place], PART)).collect();
+        let best = part.iter().map(|(one, _)| one.criterion).fold(f64::INFINITY, f64::min);
+        let joined = steady.series.len() < recovered.series.len();
+        let end = |one: (ContactCandidate, usize)| {
+            let near = within_reach(one.0.criterion, best);
+            match (near && (joined || one.0.open), joined) {
+                (true, _) => further(recovered, &one, ALL_STEPS - PART).unwrap_or(one),
+                (false, true) => further(recovered, &one, 0).unwrap_or(one),
+                (false, false) => one,
+            }
+        };
+        let mut looked: Vec<(ContactCandidate, usize)> = part.into_par_iter().map(end).collect();
         looked.sort_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
         let again = if looked.first().is_some_and(|(c, _)| c.reduced > POOR) && law_unknowns.len() > 2 {
             self.contact_restarts(recovered, setting, law_unknowns, &looked, &forms)
@@ -331,19 +332,24 @@ impl Study<'_> {
         forms: &[(usize, ContactForm)],
     ) -> Vec<ContactCandidate> {
         let others = starts(&setting.law, &self.scales, (recovered, setting.rigid));
-        let candidate = |recovered: &Contacts, k: usize, law: ModifiedLaw<f64>, most: usize| {
+        let quick = recovered.quick();
+        let steps = |recovered: &Contacts,
+                     k: usize,
+                     law: ModifiedLaw<f64>,
+                     how: (Option<&ContactCandidate>, usize)| {
             let (index, form) = &forms[k];
             let setting = Setting { law, ..setting.clone() };
-            self.contact_candidate(recovered, &setting, law_unknowns, (*index, form), most)
+            self.contact_steps(recovered, &setting, law_unknowns, (*index, form), how)
         };
-        let quick = recovered.quick();
-        let mut begun: Vec<(f64, usize, ModifiedLaw<f64>)> = looked
+        let mut begun: Vec<(ContactCandidate, usize)> = looked
             .par_iter()
             .take(AGAIN)
             .flat_map(|(_, k)| others.par_iter().map(|law| (*k, *law)))
-            .filter_map(|(k, law)| candidate(&quick, k, law, BEGIN).map(|c| (c.criterion, k, law)))
+            .filter_map(|(k, law)| Some((steps(&quick, k, law, (None, BEGIN))?, k)))
             .collect();
-        begun.sort_by(|a, b| a.0.total_cmp(&b.0));
-        begun.par_iter().take(AGAIN).filter_map(|&(_, k, law)| candidate(recovered, k, law, ALL_STEPS)).collect()
+        begun.sort_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
+        let ended =
+            |(one, k): &(ContactCandidate, usize)| steps(recovered, *k, one.law, (Some(one), ALL_STEPS));
+        begun.par_iter().take(AGAIN).filter_map(ended).collect()
     }
 }

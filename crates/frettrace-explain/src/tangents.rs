@@ -29,8 +29,7 @@ const SMOOTH: [(&str, &[usize]); 3] = [
 ];
 
 /// Effects that change the structure itself, the same at every level.
-const STEADY: [&str; 3] =
-    ["structure.frequency-drift", "structure.clamp-compliance", "structure.added-mass"];
+const STEADY: [&str; 3] = ["structure.frequency-drift", "structure.clamp-compliance", "structure.added-mass"];
 /// Candidates that are worth a fit of the whole model.
 const ASKED: usize = 3;
 

@@ -138,3 +138,99 @@ fn a_low_pass_has_its_corner() {
     assert!((ratio - corner).norm() < 1e-9, "{ratio}");
     assert_eq!(late[0][0], plain[0][0]);
 }
+
+/// The gradient of χ² of the balance, `2 Re Σ left* ∂left`, against central differences, for readings that no model of this structure
+/// makes: a structure with another first mode and a sensor that is off, beside what is not of any line.
+#[test]
+fn gradients_of_the_balance_are_differences() {
+    let (mut model, mut setting) = (model(), setting());
+    setting.ports.clear();
+    let mut other = setting.clone();
+    other.frequency[0] *= 1.004;
+    other.sensors[2].gain = 0.97;
+    let read = model.predict(&other, &[0, 1], &mut model.memory()).unwrap();
+    let largest = read.iter().flatten().flatten().map(|line| line.norm()).fold(0.0, f64::max);
+    for (run, read) in model.runs.iter_mut().zip(read) {
+        run.acceleration = read;
+        for (s, lines) in run.acceleration.iter_mut().enumerate() {
+            for (h, line) in lines.iter_mut().enumerate() {
+                *line += Complex64::from_polar(1e-2 * largest, (3 * s + 2 * h) as f64);
+            }
+        }
+        run.deviation = vec![vec![1e-3 * largest; ORDER + 1]; 3];
+    }
+    let quantities = [
+        (Quantity::ModeFrequency(0), 600.0),
+        (Quantity::ModeDamping(1), 0.02),
+        (Quantity::AddedMass, 0.004),
+        (Quantity::MassPosition, 0.2),
+        (Quantity::ClampCompliance, 1.0),
+        (Quantity::Drift, 1e-2),
+        (Quantity::DriftRate, 10.0),
+        (Quantity::BaseReal, 2e-7),
+        (Quantity::BaseImaginary, 2e-7),
+        (Quantity::Gain(1), 1.0),
+        (Quantity::Delay(1), 1e-4),
+        (Quantity::Lag(1), 1e-4),
+        (Quantity::Shift(1), 1e-1),
+        (Quantity::Offset(1), 1.0),
+    ];
+    let asked: Vec<Quantity> = quantities.iter().map(|(quantity, _)| *quantity).collect();
+    let found = model.balance_slopes(&setting, &asked, &[0, 1]).unwrap();
+    let plain = model.balance(&setting, &[0, 1]).unwrap();
+    for ((balance, _), plain) in found.iter().zip(&plain) {
+        assert_eq!(balance.left, plain.left);
+    }
+    let chi = |setting: &Setting| -> f64 {
+        let balances = model.balance(setting, &[0, 1]).unwrap();
+        balances.iter().flat_map(|b| b.left.iter().flatten()).map(Complex64::norm_sqr).sum()
+    };
+    for (k, (quantity, scale)) in quantities.into_iter().enumerate() {
+        let step = 1e-6 * scale;
+        let moved = |by: f64| {
+            let mut moved = setting.clone();
+            moved.set(quantity, setting.get(quantity).unwrap() + by);
+            chi(&moved)
+        };
+        let expected = (moved(step) - moved(-step)) / (2.0 * step);
+        let product = |(left, change): (&Complex64, &Complex64)| 2.0 * (left.conj() * change).re;
+        let slopes = found.iter().flat_map(|(balance, columns)| {
+            balance.left.iter().flatten().zip(columns[k].iter().flatten()).map(product)
+        });
+        let slope: f64 = slopes.sum();
+        assert!((slope - expected).abs() < 1e-3 * expected.abs(), "{quantity:?}: {slope:e} {expected:e}");
+    }
+}
+
+/// Where friction changes with the place, the static compliance holds the contact where its mean force is `F̄ = −ū/R₀`; without
+/// that it is centred, whatever its force. One whose compliance is that of no structure is not balanced by it.
+#[test]
+fn friction_that_changes_with_the_place_has_its_place() {
+    let (model, mut setting) = (model(), setting());
+    setting.law.set(Hook::StribeckRise, 0.05);
+    setting.law.set(Hook::StribeckVelocity, 1e-3);
+    setting.law.set(Hook::Asymmetry, 0.2);
+    let mean = |samples: &[f64]| samples.iter().sum::<f64>() / samples.len() as f64;
+    let centred = model.contact(&setting, 1, &mut model.memory()).unwrap();
+    assert!(mean(&centred.slip).abs() < 1e-12 && mean(&centred.force).abs() > 0.1);
+    setting.law.set(Hook::Position, 2e3);
+    let mut memory = model.memory();
+    let placed = model.contact(&setting, 1, &mut memory).unwrap();
+    let give = model.balance(&setting, &[1]).unwrap()[0].slip_gain[0].re;
+    let (slip, force) = (mean(&placed.slip), mean(&placed.force));
+    assert!(slip.abs() > 1e-8 && (slip / (-give * force) - 1.0).abs() < 1e-6, "{slip:e} {force:e} {give:e}");
+    // The derivatives know that the place moves.
+    let asked = [Quantity::Law(Hook::Position), Quantity::Law(Hook::MuKinetic), Quantity::ModeFrequency(0)];
+    let found = model.linearise(&setting, &asked, &[1], &mut memory).unwrap();
+    for (k, (quantity, step)) in asked.into_iter().zip([2e-2, 2.5e-6, 6e-3]).enumerate() {
+        let moved = |by: f64| {
+            let mut moved = setting.clone();
+            moved.set(quantity, setting.get(quantity).unwrap() + by);
+            model.predict(&moved, &[1], &mut memory.clone()).unwrap()
+        };
+        let expected = difference(&moved(step), &moved(-step), 0.5 / step);
+        let column = [found[0].columns[k].clone()];
+        let error = size(&difference(&column, &expected, 1.0)) / size(&expected);
+        assert!(error < 2e-4, "{quantity:?}: {error:e}");
+    }
+}

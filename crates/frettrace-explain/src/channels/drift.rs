@@ -72,12 +72,7 @@ impl Heard {
     fn fault(&self, sensor: usize) -> ChannelFault {
         let std = self.ramp.abs() * self.gain.powf(-0.5);
         let parameter = ("drift_over_record".into(), "m/s^2".into(), self.ramp, std);
-        ChannelFault {
-            id: "measurement.offset",
-            sensor,
-            parameters: vec![parameter],
-            evidence: self.gain,
-        }
+        ChannelFault { id: "measurement.offset", sensor, parameters: vec![parameter], evidence: self.gain }
     }
 }
 

@@ -284,8 +284,8 @@ impl Search<'_> {
             evidence: plain - c.criterion,
         }));
         let worth = |c: &&BalanceCandidate| c.criterion + EVIDENCE < plain;
-        let found = candidates.iter().filter(worth).filter_map(|c| self.with_structure(current, c).ok());
-        let found = found.collect();
+        let worthy: Vec<&BalanceCandidate> = candidates.iter().filter(worth).collect();
+        let found = worthy.par_iter().filter_map(|c| self.with_structure(current, c).ok()).collect();
         let found = self.take_best(current, found).map(|found| self.further(found, current.excess()));
         // A force that the balance does not show must leave nothing else to be explained.
         let ahead = |found: &Explained| {
@@ -344,7 +344,7 @@ impl Search<'_> {
         }));
         let best = candidates.first().map_or(f64::INFINITY, |c| c.criterion);
         let found = candidates
-            .iter()
+            .par_iter()
             .take(4)
             .filter(|c| c.criterion < 3.0 * best && c.reduced < limit)
             .filter_map(|candidate| self.with_structure(current, candidate).ok())

@@ -1,9 +1,10 @@
 //! Forces without a law: what the accelerations of a run say of them, line by line.
 
+use super::differentiation::Differentiation;
 use super::least_squares::{MOST, solve};
-use super::model::{AccelerationError, AccelerationModel, Prepared};
+use super::model::{AccelerationError, AccelerationModel, Prediction, Prepared};
 use super::run::{Evaluation, store, velocity};
-use super::setting::Setting;
+use super::setting::{Quantity, Setting};
 use super::structure::{Layout, Structure};
 use num_complex::Complex64;
 
@@ -85,6 +86,50 @@ impl AccelerationModel {
         Ok(selected.iter().map(one).collect())
     }
 
+    /// The balance of the selected runs, and the derivatives of what it leaves by quantities outside the law: `[quantity][sensor][line]`.
+    /// For models without ports, whose forces would answer.
+    ///
+    /// With the whitened readings `m`, the column `A` of the contact force and `P` the projector beside it, `left = P(m − a(p))`,
+    /// where `a` is what the known forces and the contact's make; its derivative at fixed forces, `−P ∂a/∂p`, gives the gradient of
+    /// χ² exactly, and Gauss-Newton's matrix to first order in what is left (Kaufman, BIT 15 (1975) 49).
+    ///
+    /// # Errors
+    /// [`AccelerationError::Beam`] where the structure cannot be built.
+    pub fn balance_slopes(
+        &self,
+        setting: &Setting,
+        quantities: &[Quantity],
+        selected: &[usize],
+    ) -> Result<Vec<(Balance, Vec<Prediction>)>, AccelerationError> {
+        let structure = self.structure(setting)?;
+        let moved = quantities
+            .iter()
+            .map(|&quantity| self.moved(&structure, setting, quantity))
+            .collect::<Result<Vec<_>, _>>()?;
+        let one = |&run: &usize| {
+            let prepared: Prepared = self.prepare(&structure, setting, run);
+            let evaluation = self.evaluation(structure.layout(), setting, &prepared, run);
+            let mut unknowns = vec![0.0; evaluation.width()];
+            let balance = fit_lines(&evaluation, &unknowns, &Free { beside: Beside::Nothing, moving: &[] });
+            let mut force = balance.force.clone();
+            force.resize(evaluation.order() + 1, Complex64::ZERO);
+            store(&force, &mut unknowns);
+            let differentiation = Differentiation {
+                evaluation: &evaluation,
+                structure: &structure,
+                quantities,
+                moved: &moved,
+                run,
+            };
+            let mut columns = differentiation.at_fixed_forces(&unknowns);
+            for column in &mut columns {
+                beside_force(column, &balance, &self.runs[run].deviation);
+            }
+            (balance, columns)
+        };
+        Ok(selected.iter().map(one).collect())
+    }
+
     fn balance_of(
         &self,
         structure: &Structure,
@@ -105,6 +150,20 @@ impl AccelerationModel {
             answer_ports(&evaluation, &mut unknowns);
         }
         fit_lines(&evaluation, &unknowns, &free)
+    }
+}
+
+/// Turns a change of the accelerations into that of what the balance leaves: over the deviations, beside what a contact force makes.
+fn beside_force(change: &mut Prediction, balance: &Balance, deviation: &[Vec<f64>]) {
+    for h in 0..balance.force.len() {
+        let gain = |s: usize| balance.gain[s][h] / deviation[s][h];
+        let sensors = 0..change.len();
+        let power: f64 = sensors.clone().map(|s| gain(s).norm_sqr()).sum();
+        let along: Complex64 = sensors.clone().map(|s| gain(s).conj() * change[s][h] / deviation[s][h]).sum();
+        let force = if h == 0 || power <= 0.0 { Complex64::ZERO } else { along / power };
+        for s in sensors {
+            change[s][h] = gain(s) * force - change[s][h] / deviation[s][h];
+        }
     }
 }
 

@@ -30,7 +30,8 @@ pub(super) const MOTIONS: usize = 7;
 /// Law parameters differentiated at once.
 pub(super) const PARAMETERS: usize = 14;
 const WIDTH: usize = STATES + MOTIONS + PARAMETERS;
-type Dual = Gradient<WIDTH>;
+/// Directions where no parameter is asked for.
+const BARE: usize = STATES + MOTIONS;
 
 /// Derivatives of one step: of new states and force by old states, motion `(u₀, u₁, v₀, v₁, N₀, N₁)`, held force and parameters.
 #[derive(Clone, Copy, Debug)]
@@ -45,8 +46,11 @@ impl Local {
     pub const PARAMETER: usize = STATES + MOTIONS;
 }
 
-fn seed(value: f64, direction: usize) -> Dual {
-    Dual::variable(value, direction)
+/// Slopes, the last of them zero where they were not asked for.
+fn widened<const W: usize>(slopes: [f64; W]) -> [f64; WIDTH] {
+    let mut wide = [0.0; WIDTH];
+    wide[..W].copy_from_slice(&slopes);
+    wide
 }
 
 impl Contact<'_> {
@@ -77,18 +81,34 @@ impl Contact<'_> {
         hooks: &[Hook],
         locals: &mut Vec<Local>,
     ) {
+        if hooks.is_empty() {
+            self.locals_in::<BARE>(motion, start, hooks, locals);
+        } else {
+            self.locals_in::<WIDTH>(motion, start, hooks, locals);
+        }
+    }
+
+    /// The same in so many directions: states and motion, then the hooks.
+    fn locals_in<const W: usize>(
+        &self,
+        motion: &Motion,
+        start: ModifiedState<f64>,
+        hooks: &[Hook],
+        locals: &mut Vec<Local>,
+    ) {
         let along = self.along(motion);
         let position = |hook: Hook| hooks.iter().position(|h| *h == hook);
         let law = self.law.lift(|hook, value| match position(hook) {
-            Some(p) if p < PARAMETERS => seed(value, Local::PARAMETER + p),
-            _ => Dual::constant(value),
+            Some(p) if Local::PARAMETER + p < W => Gradient::variable(value, Local::PARAMETER + p),
+            _ => Gradient::<W>::constant(value),
         });
         locals.clear();
         let mut values = start.0;
         for k in 0..motion.slip.len() {
-            let state = ModifiedState(std::array::from_fn(|i| seed(values[i], i)));
+            let state = ModifiedState(std::array::from_fn(|i| Gradient::variable(values[i], i)));
             let plain = along.step(k);
-            let pair = |at: usize, of: [f64; 2]| [seed(of[0], at), seed(of[1], at + 1)];
+            let pair =
+                |at: usize, of: [f64; 2]| [Gradient::variable(of[0], at), Gradient::variable(of[1], at + 1)];
             let step = Step {
                 slip: pair(Local::MOTION, plain.slip),
                 velocity: pair(Local::MOTION + 2, plain.velocity),
@@ -97,11 +117,17 @@ impl Contact<'_> {
             };
             let circumstance = along.circumstance(&law, k);
             let (next, force) = match motion.trial.get(along.next(k)) {
-                Some(&trial) => law.advance_rigid(state, &step, (seed(trial, Local::TRIAL), &circumstance)),
+                Some(&trial) => {
+                    let held = Gradient::variable(trial, Local::TRIAL);
+                    law.advance_rigid(state, &step, (held, &circumstance))
+                }
                 None => law.advance(state, &step, &circumstance),
             };
             values = next.0.map(|s| s.re);
-            locals.push(Local { state: std::array::from_fn(|i| next.0[i].slopes), force: force.slopes });
+            locals.push(Local {
+                state: std::array::from_fn(|i| widened(next.0[i].slopes)),
+                force: widened(force.slopes),
+            });
         }
     }
 }

@@ -61,12 +61,26 @@ impl Differentiation<'_> {
             .iter()
             .zip(&direct)
             .map(|(&quantity, direct)| match direct.answer.as_ref().and_then(|_| solved.next()) {
-                Some(forces) => self.column(direct, &forces.iter().copied().collect::<Vec<f64>>()),
+                Some(forces) => {
+                    let forces: Vec<f64> = forces.iter().copied().collect();
+                    self.column(direct.motion.as_deref(), &forces)
+                }
                 None => sensor_column(quantity, evaluation, &plain),
             })
             .collect();
         let setting = evaluation.setting;
         Linearised { prediction: distort(plain, setting, evaluation.lines.omega), columns }
+    }
+
+    /// Derivatives of the prediction by every quantity while all forces stay as they are.
+    pub fn at_fixed_forces(&self, unknowns: &[f64]) -> Vec<Prediction> {
+        let plain = self.evaluation.accelerations(unknowns);
+        let still = vec![0.0; unknowns.len()];
+        let column = |(index, &quantity): (usize, &Quantity)| match self.motion(index, quantity, unknowns) {
+            Some(motion) => self.column(Some(&motion), &still),
+            None => sensor_column(quantity, self.evaluation, &plain),
+        };
+        self.quantities.iter().enumerate().map(column).collect()
     }
 
     /// What one quantity changes at fixed contact forces.
@@ -78,7 +92,7 @@ impl Differentiation<'_> {
         scratch: &mut frettrace_fourier::GridScratch,
     ) -> Direct {
         let e = self.evaluation;
-        let motion = self.motion(index, quantity, kept);
+        let motion = self.motion(index, quantity, &kept.unknowns);
         let direction = match quantity {
             Quantity::Law(hook) => {
                 Direction { hook: hooks.iter().position(|h| *h == hook), ..Direction::default() }
@@ -96,8 +110,8 @@ impl Differentiation<'_> {
         Direct { motion, answer: Some(answer) }
     }
 
-    /// Derivative of the accelerations by a quantity to which the contact answers with `forces`.
-    fn column(&self, direct: &Direct, forces: &[f64]) -> Prediction {
+    /// Derivative of the accelerations by a quantity that moves the rows by `motion` and to which the contact answers with `forces`.
+    fn column(&self, motion: Option<&[Complex64]>, forces: &[f64]) -> Prediction {
         let e = self.evaluation;
         let rows = e.layout.rows();
         let change = (0..e.layout.sensors)
@@ -106,7 +120,7 @@ impl Differentiation<'_> {
                     .map(|h| {
                         let at = h as f64 * e.lines.omega;
                         let row = Layout::sensor_row(s);
-                        let mut sum = direct.motion.as_ref().map_or(Complex64::ZERO, |d| d[h * rows + row]);
+                        let mut sum = motion.map_or(Complex64::ZERO, |moved| moved[h * rows + row]);
                         for port in 0..=e.layout.ports {
                             sum -= e.block.at(h, row, 1 + port) * coefficient(forces, e.order(), port, h);
                         }
@@ -120,7 +134,7 @@ impl Differentiation<'_> {
 
     /// Change of the motion of every row at fixed contact forces: `∂R_e F − ∂R_f f`, and of what moves with the base; `rows`
     /// values a line.
-    fn motion(&self, index: usize, quantity: Quantity, kept: &RunMemory) -> Option<Vec<Complex64>> {
+    fn motion(&self, index: usize, quantity: Quantity, unknowns: &[f64]) -> Option<Vec<Complex64>> {
         let e = self.evaluation;
         let (omega, order) = (e.lines.omega, e.order());
         let mut base = Vec::new();
@@ -144,7 +158,7 @@ impl Differentiation<'_> {
         Some(
             (0..=order)
                 .flat_map(|h| (0..rows).map(move |row| (h, row)))
-                .map(|(h, row)| changed.displacement(&kept.unknowns, row, h))
+                .map(|(h, row)| changed.displacement(unknowns, row, h))
                 .collect(),
         )
     }

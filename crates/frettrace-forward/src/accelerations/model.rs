@@ -258,7 +258,7 @@ impl AccelerationModel {
     }
 
     /// For a quantity whose effect on the structure is differenced: the structure beside it, and the distance.
-    fn moved(
+    pub(super) fn moved(
         &self,
         structure: &Structure,
         setting: &Setting,

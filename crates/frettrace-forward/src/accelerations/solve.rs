@@ -63,8 +63,8 @@ fn effect(e: &Evaluation<'_>, forces: &[f64]) -> f64 {
             let at = h as f64 * e.lines.omega;
             let mut sum = Complex64::ZERO;
             for port in 0..=e.layout.ports {
-                sum += e.block.at(h, Layout::sensor_row(s), 1 + port)
-                    * coefficient(forces, e.order(), port, h);
+                sum +=
+                    e.block.at(h, Layout::sensor_row(s), 1 + port) * coefficient(forces, e.order(), port, h);
             }
             worst = worst.max(sum.norm() * at * at / e.lines.deviation[s][h]);
         }
