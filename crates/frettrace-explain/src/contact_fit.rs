@@ -245,15 +245,11 @@ impl Contacts {
         self.periodic.iter().map(Recovered::sizes).reduce(larger).filter(|s| s.iter().all(|x| x.is_normal()))
     }
 
-    /// What is quick to march, for a first look: every second of many periodic runs, the last one among them, on fewer samples; the
-    /// others where the periodic ones are the fewer.
+    /// What is quick to march, for a first look: the periodic runs on fewer samples – all of them, since a single one may be what shows
+    /// an effect – and the others where the periodic ones are the fewer.
     pub fn quick(&self) -> Self {
-        let count = self.periodic.len();
-        let step = if count < MANY { 1 } else { 2 };
-        let mut periodic: Vec<Recovered> =
-            self.periodic.iter().rev().step_by(step).map(Recovered::coarse).collect();
-        periodic.reverse();
-        Self { periodic, ..self.steady() }
+        let steady = self.steady();
+        Self { periodic: steady.periodic.iter().map(Recovered::coarse).collect(), ..steady }
     }
 
     /// The periodic runs; the others too, where the periodic ones are the fewer.
@@ -263,9 +259,6 @@ impl Contacts {
         Self { periodic: self.periodic.clone(), series }
     }
 }
-
-/// Periodic runs of which half are enough for a first look.
-const MANY: usize = 5;
 
 /// A law with some of its hooks free, against recovered contacts. Where its friction depends on the contact's place, the mean slip of
 /// every periodic run is free too: values behind those of the hooks.
@@ -336,14 +329,14 @@ impl<'a> ContactProblem<'a> {
         self.recovered.periodic.iter().map(|run| run.run).zip(self.means(values).iter().copied()).collect()
     }
 
-    /// Mean slips (m) of all runs to begin from: those known, and of the others what the law finds.
+    /// Mean slips (m) of all runs to begin from, nothing where none is known.
     pub fn means_from(&self, known: &[(usize, f64)]) -> Vec<f64> {
         if !self.law.depends_on_place() {
             return Vec::new();
         }
         let of = |contact: &Recovered| {
             let before = known.iter().find(|(run, _)| *run == contact.run).map(|(_, mean)| *mean);
-            before.or_else(|| mean_slip(contact, (self.law, self.modulation))).unwrap_or_default()
+            before.unwrap_or_default()
         };
         self.recovered.periodic.iter().map(of).collect()
     }
@@ -448,16 +441,40 @@ impl Model for ContactProblem<'_> {
     }
 }
 
-/// Mean slips, in units of the RMS of the slip, from which the one of a run is sought.
-const MEANS: [f64; 5] = [0.0, -0.3, 0.3, -0.7, 0.7];
-/// Steps from each of them.
+/// Distance between mean slips that are tried, as a share of the wave of a periodic friction, …
+const OF_WAVE: f64 = 0.125;
+/// … or, where it is not periodic, of the RMS of the slip, …
+const OF_STROKE: f64 = 0.6;
+/// … waves (or RMS of the slip) to either side in which the mean is sought, places that are fitted, and steps each gets.
+const SOUGHT: f64 = 2.0;
+const PLACES: usize = 3;
 const MEAN_STEPS: usize = 8;
 
+impl Recovered {
+    /// Mean slips (m), those that a law answers best first.
+    fn places(&self, (law, modulation): (ModifiedLaw<f64>, usize)) -> Vec<f64> {
+        let wave = law.get(Hook::PeriodicNumber).map(|number| std::f64::consts::TAU / number);
+        let (size, share) = wave.map_or((self.stroke(), OF_STROKE), |wave| (wave, OF_WAVE));
+        let most = (SOUGHT / share).floor() as i32;
+        let mut left = vec![0.0; self.around(0.0).count()];
+        let mut tried: Vec<(f64, f64)> = (-most..=most)
+            .map(|k| {
+                let mean = f64::from(k) * share * size;
+                self.around(mean).residual(&law, modulation, &mut left);
+                (left.iter().map(|r| r * r).sum(), mean)
+            })
+            .collect();
+        tried.sort_by(|a: &(f64, f64), b| a.0.total_cmp(&b.0));
+        tried.into_iter().map(|(_, mean)| mean).collect()
+    }
+}
+
 /// Mean slip (m) around which a law whose friction depends on the contact's place answers a recovered run best.
-fn mean_slip(recovered: &Recovered, (law, modulation): (ModifiedLaw<f64>, usize)) -> Option<f64> {
+fn mean_slip(recovered: &Recovered, law: (ModifiedLaw<f64>, usize)) -> Option<f64> {
     let one = Contacts { periodic: vec![recovered.clone()], series: Vec::new() };
-    let problem = ContactProblem::new(&one, (law, modulation), (Vec::new(), Vec::new()));
-    let found = MEANS.iter().filter_map(|mean| problem.solve(MEAN_STEPS, &[mean * recovered.stroke()]).ok());
+    let problem = ContactProblem::new(&one, law, (Vec::new(), Vec::new()));
+    let places = recovered.places(law).into_iter().take(PLACES);
+    let found = places.filter_map(|mean| problem.solve(MEAN_STEPS, &[mean]).ok());
     let best = found.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
     problem.means(&best.values).first().copied()
 }

@@ -118,10 +118,14 @@ impl Study<'_> {
         Ok(self.judged(fitted, effects, added))
     }
 
-    /// The same model fitted further, with everything free.
+    /// The same model fitted further, with everything free. Where friction depends on the contact's place, each run is placed anew:
+    /// the law may have come from where another wave answered better.
     pub(crate) fn polished(&self, from: &Explained) -> Result<Explained, ExplainError> {
         let unknowns = merge(&self.case.unknowns(), &from.added);
-        let fitted = self.fit(from.fitted.setting.clone(), &unknowns, &from.fitted.memory, 30)?;
+        let setting = from.fitted.setting.clone();
+        let placed = setting.law.depends_on_place();
+        let memory = if placed { self.model.memory() } else { from.fitted.memory.clone() };
+        let fitted = self.fit(setting, &unknowns, &memory, 30)?;
         let mut found = self.judged(fitted, from.effects.clone(), from.added.clone());
         found.sensors.clone_from(&from.sensors);
         found.counts.clone_from(&from.counts);

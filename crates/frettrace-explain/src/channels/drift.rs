@@ -4,17 +4,20 @@
 //! record, whose mean square is `Σ c_k²/(2k + 1)`.
 
 use super::bare::{Bare, bare};
-use super::{ChannelFault, Channels, HEARD, HEARD_IN_A_RUN};
+use super::{ChannelFault, Channels, HEARD, HEARD_IN_A_RUN, LOUD, mean_square};
 use crate::RunSamples;
 
 /// Finds drifts and takes them out; their means are left to whoever looks for offsets. What most channels have, two of
-/// them alike, or a few runs alone, is a motion that has not settled.
+/// them alike, or a few runs alone, is a motion that has not settled. Runs without a period are not asked: their motion has a part as
+/// slow as any drift.
 pub(super) fn find(
     runs: &[RunSamples<'_>],
     noise: Option<&[f64]>,
     channels: &mut Channels,
 ) -> Vec<ChannelFault> {
     let Some(bare) = bare(runs, noise, channels) else { return Vec::new() };
+    let (places, bare): (Vec<usize>, Vec<Bare<'_>>) =
+        bare.into_iter().enumerate().filter(|(_, one)| is_steady(one)).unzip();
     let sensors = bare.first().map_or(0, |b| b.drift.len());
     let heard: Vec<Heard> = (0..sensors).map(|sensor| Heard::of(&bare, sensor)).collect();
     let loud = |(_, heard): &(usize, &Heard)| heard.sure && heard.loud && 2 * heard.runs > bare.len();
@@ -28,12 +31,23 @@ pub(super) fn find(
         !(0..sensors).any(|other| other != fault.sensor && alike(other))
     });
     for fault in &found {
-        for (one, signals) in bare.iter().zip(&mut channels.signal) {
+        for (one, &place) in bare.iter().zip(&places) {
+            let signals = &mut channels.signal[place];
             let drift = one.projector.drift(&one.drift[fault.sensor]);
             signals[fault.sensor].iter_mut().zip(drift).for_each(|(value, drift)| *value -= drift);
         }
     }
     found
+}
+
+/// Whether most channels of a run hold no more than noise beside lines and drift.
+fn is_steady(one: &Bare<'_>) -> bool {
+    let quiet = one
+        .residual
+        .iter()
+        .zip(&one.variance)
+        .filter(|(residual, variance)| mean_square(residual.iter().copied()) <= LOUD * LOUD * **variance);
+    2 * quiet.count() > one.residual.len()
 }
 
 /// The drift of one channel in all runs.
