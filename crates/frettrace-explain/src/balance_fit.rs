@@ -173,11 +173,11 @@ impl Study<'_> {
         self.balance_fit(usize::MAX, &form, &unknowns, 6)
     }
 
-    /// The structure calibrated on what every force at the port of a setting leaves of the balance.
-    pub(crate) fn calibrated_beside(&self, setting: &Setting) -> Setting {
+    /// The structure calibrated on what the free values beside the contact force leave of the balance.
+    pub(crate) fn calibrated_beside(&self, setting: &Setting, beside: Beside) -> Setting {
         let unknowns = self.structure_unknowns();
         let mut problem = BalanceProblem::new(self, setting.clone(), &unknowns);
-        problem.beside = Beside::Ports;
+        problem.beside = beside;
         let settings = FitSettings {
             max_iterations: 4,
             relative_tolerance: 1e-3,

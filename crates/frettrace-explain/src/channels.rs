@@ -9,7 +9,7 @@ mod drift;
 mod dropout;
 mod hum;
 
-use crate::{RunRecord, RunSamples};
+use crate::{RunRecord, RunSamples, Saturation};
 use frettrace_fourier::ProjectionError;
 
 /// A fault of a channel.
@@ -26,12 +26,19 @@ pub struct ChannelFault {
 }
 
 /// Saturation of one channel in one run.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Clipped {
-    /// Lowest and highest value that the channel reads (m/s²).
-    pub limits: [f64; 2],
-    /// What it read.
-    pub raw: Vec<f64>,
+#[derive(Clone, Debug, PartialEq)]
+pub enum Clipped {
+    /// Flat tops: the lines of the channel are lost.
+    Hard {
+        /// Lowest and highest value that the channel reads (m/s²).
+        limits: [f64; 2],
+        /// What it read.
+        raw: Vec<f64>,
+        /// How it bends before it is flat.
+        bend: Option<Saturation>,
+    },
+    /// A bend: the lines are those of what it read.
+    Soft(Saturation),
 }
 
 /// Sensors that must be left in a run for one to be left out.

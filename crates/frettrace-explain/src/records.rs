@@ -142,9 +142,11 @@ impl RunRecord {
         if clipped.iter().filter(|c| c.is_none()).count() < crate::channels::LEAST_LEFT {
             return;
         }
-        self.clipped = clipped.to_vec();
-        for (sensor, _) in clipped.iter().enumerate().filter(|(_, c)| c.is_some()) {
-            self.lines.deviation[sensor].iter_mut().for_each(|d| *d *= SILENT);
+        for (sensor, new) in clipped.iter().enumerate().filter(|(_, c)| c.is_some()) {
+            if self.clipped[sensor].is_none() {
+                self.lines.deviation[sensor].iter_mut().for_each(|d| *d *= SILENT);
+            }
+            self.clipped[sensor].clone_from(new);
         }
     }
 
@@ -157,22 +159,33 @@ impl RunRecord {
         }
     }
 
-    /// Mean square of measured minus predicted in a sensor that clips, with the prediction clipped alike.
-    pub(crate) fn clipped_error(&self, sensor: usize, predicted: &[Complex64]) -> Option<f64> {
-        self.clipped[sensor].as_ref().map(|clipped| self.mean_square_error(clipped, predicted))
+    /// Mean square of measured minus predicted in a sensor that clips: with the prediction clipped alike, and with it as it is.
+    pub(crate) fn clipped_errors(&self, sensor: usize, predicted: &[Complex64]) -> Option<[f64; 2]> {
+        let beside = |lines: &[Complex64]| {
+            let measured = &self.lines.acceleration[sensor];
+            power(measured.iter().zip(lines).map(|(a, b)| a - b)) + self.beside[sensor]
+        };
+        Some(match self.clipped[sensor].as_ref()? {
+            Clipped::Hard { limits: [low, high], raw, bend } => {
+                let bent = |x: f64| bend.map_or(x, |bend| bend.reads(x));
+                let cut = |x: f64| bent(x).clamp(*low, *high);
+                [self.mean_square_error(raw, cut, predicted), self.mean_square_error(raw, |x| x, predicted)]
+            }
+            Clipped::Soft(saturation) => [beside(&saturation.lines(predicted)), beside(predicted)],
+        })
     }
 
-    /// Mean square of what a channel read minus predicted lines, cut at its limits.
-    pub(crate) fn mean_square_error(&self, clipped: &Clipped, predicted: &[Complex64]) -> f64 {
+    /// Mean square of what a channel read minus what it reads of predicted lines.
+    fn mean_square_error(&self, raw: &[f64], reads: impl Fn(f64) -> f64, predicted: &[Complex64]) -> f64 {
         let step = Complex64::from_polar(1.0, self.lines.omega / self.sampling_rate);
         let mut turn = Complex64::ONE;
         let mut sum = 0.0;
-        for raw in &clipped.raw {
+        for raw in raw {
             let wave = predicted.iter().rev().fold(Complex64::ZERO, |sum, line| sum * turn + line).re;
-            sum += (raw - wave.clamp(clipped.limits[0], clipped.limits[1])).powi(2);
+            sum += (raw - reads(wave)).powi(2);
             turn *= step;
         }
-        sum / clipped.raw.len().max(1) as f64
+        sum / raw.len().max(1) as f64
     }
 
     fn assemble(

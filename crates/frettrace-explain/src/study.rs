@@ -5,7 +5,7 @@ use crate::records::power;
 use crate::series_fit::SeriesContact;
 use crate::split::{Split, by_level};
 use crate::start;
-use crate::{AccelerationFit, Case, Clipped, RunRecord, Unknown};
+use crate::{AccelerationFit, Case, RunRecord, Unknown};
 use frettrace_forward::accelerations::{
     AccelerationError, AccelerationModel, Memory, Prediction, Quantity, RunLines, SensorSetting, Setting,
 };
@@ -261,7 +261,7 @@ impl<'a> Study<'a> {
                 let missed = prediction.map_or(record.power[s], |p| {
                     let measured = &record.lines.acceleration[s];
                     let lines = power(measured.iter().zip(&p[s]).map(|(a, b)| a - b));
-                    record.clipped_error(s, &p[s]).unwrap_or(lines + record.beside[s])
+                    record.clipped_errors(s, &p[s]).map_or(lines + record.beside[s], |[clipped, _]| clipped)
                 });
                 RunError {
                     error: missed * samples,
@@ -282,14 +282,10 @@ impl<'a> Study<'a> {
             let record = &self.case.records[run];
             let samples = record.samples as f64;
             sum.error += record.excess.iter().sum::<f64>() * samples;
-            for (s, clipped) in record.clipped.iter().enumerate().filter(|(_, c)| c.is_some()) {
-                let Some(p) = prediction else { continue };
-                let free = Clipped {
-                    limits: [f64::NEG_INFINITY, f64::INFINITY],
-                    ..clipped.clone().unwrap_or_default()
-                };
-                let unclipped = record.mean_square_error(&free, &p[s]);
-                sum.error += (unclipped - record.clipped_error(s, &p[s]).unwrap_or(unclipped)) * samples;
+            let Some(prediction) = prediction else { continue };
+            for (s, predicted) in prediction.iter().enumerate() {
+                let errors = record.clipped_errors(s, predicted);
+                sum.error += errors.map_or(0.0, |[clipped, free]| free - clipped) * samples;
             }
         }
         sum
@@ -363,7 +359,7 @@ pub(crate) fn as_declared(setting: &Setting) -> bool {
 }
 
 /// Standard deviations from the Gauss-Newton curvature with the priors; NaN where it is singular.
-fn deviations(problem: &AccelerationFit<'_>, found: &Fit, memory: &Memory) -> Vec<f64> {
+pub(crate) fn deviations<M: Model>(problem: &M, found: &Fit, memory: &M::Memory) -> Vec<f64> {
     let (rows, width) = (problem.residual_count(), found.values.len());
     let mut residual = vec![0.0; rows];
     let mut jacobian = DMatrix::zeros(rows, width);

@@ -135,7 +135,8 @@ impl Study<'_> {
         Some(told && left < DEAF_RIVAL * lawful)
     }
 
-    fn chi_beside(&self, setting: &Setting, beside: Beside) -> f64 {
+    /// χ² of the balance of the fitted runs with something free beside the contact force.
+    pub(crate) fn chi_beside(&self, setting: &Setting, beside: Beside) -> f64 {
         let found = self.model.balance_beside(setting, &self.training, beside);
         found.map_or(f64::INFINITY, |all| all.iter().map(|b| b.chi_squared().0).sum())
     }
@@ -210,7 +211,7 @@ impl Study<'_> {
         let mut setting = setting.clone();
         if let Some(first) = located.first().filter(|l| l.chi < WORTH * plain) {
             // The structure within its standard deviations and the place of the force, one after the other.
-            let mut calibrated = self.calibrated_beside(&with_only(&setting, first.place));
+            let mut calibrated = self.calibrated_beside(&with_only(&setting, first.place), Beside::Ports);
             calibrated.ports = setting.ports;
             setting = calibrated;
             located = self.locate(&setting);

@@ -120,6 +120,7 @@ pub fn case(measurement: &Measurement) -> Result<Case, StudyError> {
     if let Some(second) = &measurement.second_support {
         case.know_support(second.position)?;
     }
+    case.leave_out_saturated()?;
     Ok(case)
 }
 

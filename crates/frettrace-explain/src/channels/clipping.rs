@@ -35,7 +35,8 @@ pub(super) fn find(
             cut += flat;
             let widest = limits.get_or_insert(found);
             *widest = [widest[0].min(found[0]), widest[1].max(found[1])];
-            channels.clipped[run][sensor] = Some(Clipped { limits: found, raw: raw.clone() });
+            channels.clipped[run][sensor] =
+                Some(Clipped::Hard { limits: found, raw: raw.clone(), bend: None });
         }
         channels.blank(sensor);
         let Some([low, high]) = limits else { continue };

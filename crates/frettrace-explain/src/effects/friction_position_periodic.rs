@@ -1,6 +1,6 @@
 //! `friction.position-periodic`.
 //!
-//! *Adds*: a friction coefficient periodic in slip.
+//! *Adds*: a friction coefficient periodic in slip, `μ(1 + Σ_k c_k cos kqu + s_k sin kqu)`, up to the third harmonic where the data ask for it.
 //!
 //! *Shows as*: ripples of the sliding branches at fixed positions.
 //!
@@ -39,6 +39,12 @@ impl Effect for FrictionPositionPeriodic {
                     Change::positive(Hook::PeriodicNumber, std::f64::consts::TAU * waves / scales.slip, 0.02),
                 ])
             })
+            .into()
+    }
+
+    fn shape(&self) -> Vec<Change> {
+        [Hook::PeriodicCosine2, Hook::PeriodicSine2, Hook::PeriodicCosine3, Hook::PeriodicSine3]
+            .map(|hook| Change::linear(hook, 0.0, 0.05, (-0.9, 0.9)))
             .into()
     }
 }

@@ -47,4 +47,8 @@ impl Effect for FrictionPreslidingDamping {
             ]),
         ]
     }
+
+    fn shape(&self) -> Vec<Change> {
+        vec![Change::linear(Hook::DampingRational, 0.0, 0.3, (0.0, 1.0))]
+    }
 }

@@ -1,8 +1,8 @@
 //! `measurement.clipping`.
 //!
-//! *Adds*: a sensor that saturates.
+//! *Adds*: a sensor that saturates, at a limit or softly.
 //!
-//! *Shows as*: samples of one sensor that pile up at its largest value.
+//! *Shows as*: samples of one sensor that pile up at its largest value, or fall short of what the other sensors say it should read.
 //!
 //! *Mistaken for*: `measurement.gain`; told apart by the same level at a lower gain.
 

@@ -144,6 +144,11 @@ pub(crate) trait Effect: Sync {
         Vec::new()
     }
 
+    /// Further values of its shape, from those that add nothing, for data that its forms do not satisfy.
+    fn shape(&self) -> Vec<Change> {
+        Vec::new()
+    }
+
     /// Its forms in structure, excitation or measurement.
     fn structure_forms(&self, _case: &Case, _setting: &Setting, _scales: &Scales) -> Vec<StructureForm> {
         Vec::new()

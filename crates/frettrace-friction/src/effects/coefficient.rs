@@ -133,6 +133,12 @@ impl<T: Scalar> ModifiedLaw<T> {
         if self.on(Hook::PeriodicNumber) {
             let (sine, cosine) = (self.at(Hook::PeriodicNumber) * slip).sin_cos();
             factor += self.at(Hook::PeriodicCosine) * cosine + self.at(Hook::PeriodicSine) * sine;
+            if self.on(Hook::PeriodicSine2) {
+                let (sine2, cosine2) = (sine * cosine * 2.0, cosine * cosine * 2.0 - 1.0);
+                let (sine3, cosine3) = (sine2 * cosine + cosine2 * sine, cosine2 * cosine - sine2 * sine);
+                factor += self.at(Hook::PeriodicCosine2) * cosine2 + self.at(Hook::PeriodicSine2) * sine2;
+                factor += self.at(Hook::PeriodicCosine3) * cosine3 + self.at(Hook::PeriodicSine3) * sine3;
+            }
         }
         factor
     }

@@ -1,7 +1,7 @@
 //! The parameters of the modified law.
 
 /// Number of hooks.
-pub const HOOKS: usize = 53;
+pub const HOOKS: usize = 57;
 
 /// A parameter of [`ModifiedLaw`](super::ModifiedLaw): those of the declared laws first, then those of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -113,6 +113,14 @@ pub enum Hook {
     ModulationSteepness,
     /// Share of a rational approach `x^p/(1 + x^p)`, `x = |v|/v_b`, of the film's thickness beside the exponential one.
     FilmRational,
+    /// Second harmonic of the periodic change of the friction coefficient with slip: cosine share.
+    PeriodicCosine2,
+    /// The same, sine share.
+    PeriodicSine2,
+    /// Third harmonic of the periodic change of the friction coefficient with slip: cosine share.
+    PeriodicCosine3,
+    /// The same, sine share.
+    PeriodicSine3,
 }
 
 impl Hook {
@@ -171,6 +179,10 @@ impl Hook {
         Self::LagSaturation,
         Self::ModulationSteepness,
         Self::FilmRational,
+        Self::PeriodicCosine2,
+        Self::PeriodicSine2,
+        Self::PeriodicCosine3,
+        Self::PeriodicSine3,
     ];
 
     /// Value at which the hook adds nothing, where it measures the size of an effect; `None` for shapes, times and scales.
@@ -195,6 +207,10 @@ impl Hook {
             | Self::PositionCube
             | Self::PeriodicCosine
             | Self::PeriodicSine
+            | Self::PeriodicCosine2
+            | Self::PeriodicSine2
+            | Self::PeriodicCosine3
+            | Self::PeriodicSine3
             | Self::NormalExponent
             | Self::NormalCurvature
             | Self::Wear
@@ -237,6 +253,10 @@ impl Hook {
             Self::PeriodicCosine => ("periodic_cosine", "1"),
             Self::PeriodicSine => ("periodic_sine", "1"),
             Self::PeriodicNumber => ("wave_number", "rad/m"),
+            Self::PeriodicCosine2 => ("periodic_cosine_2", "1"),
+            Self::PeriodicSine2 => ("periodic_sine_2", "1"),
+            Self::PeriodicCosine3 => ("periodic_cosine_3", "1"),
+            Self::PeriodicSine3 => ("periodic_sine_3", "1"),
             Self::NormalExponent => ("normal_exponent", "1"),
             Self::Wear => ("wear", "1"),
             Self::SeriesCompliance => ("series_compliance", "m/N"),

@@ -367,3 +367,23 @@ fn steps_along_one_motion_share_their_ends() {
         }
     }
 }
+
+/// The second and third harmonic of a wave of number `q` alone are waves of `2q` and `3q`.
+#[test]
+fn harmonics_of_a_wave_are_shorter_waves() {
+    let wave = |number: f64, harmonics: [f64; 3]| {
+        let mut law: ModifiedLaw<f64> = ModifiedLaw::dahl(2e2, 0.5);
+        let sines = [Hook::PeriodicSine, Hook::PeriodicSine2, Hook::PeriodicSine3];
+        let cosines = [Hook::PeriodicCosine, Hook::PeriodicCosine2, Hook::PeriodicCosine3];
+        for (k, size) in harmonics.into_iter().enumerate() {
+            law.set(sines[k], 0.3 * size);
+            law.set(cosines[k], 0.2 * size);
+        }
+        law.set(Hook::PeriodicNumber, number);
+        settled(&law, 0.02, 256)
+    };
+    for (k, harmonics) in [(2.0, [0.0, 1.0, 0.0]), (3.0, [0.0, 0.0, 1.0])] {
+        let pairs = wave(90.0, harmonics).into_iter().zip(wave(90.0 * k, [1.0, 0.0, 0.0]));
+        pairs.for_each(|(a, b)| assert!((a.1 - b.1).abs() < 1e-12, "{k}: {a:?} {b:?}"));
+    }
+}
