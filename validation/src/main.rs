@@ -6,7 +6,7 @@ use frettrace_measurement::write_measurement;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::{fs, time::Duration};
-use validation::sweep::apart::printed;
+use validation::sweep::apart::{MADE, printed};
 use validation::sweep::judged::{Judged, judge};
 use validation::sweep::{self, coverage, made::make, plan, tables};
 use validation::{
@@ -43,13 +43,16 @@ enum Table {
     Splines,
     /// Simulated rigs with a known effect through `explain`: confusion, false alarms, detection limit
     Sweep {
-        /// Seconds after which a set counts as failed
+        /// Seconds after which a question counts as not answered
         #[arg(long, default_value_t = 600)]
         limit: u64,
+        /// Seconds after which a set counts as one that cannot be made
+        #[arg(long, default_value_t = 600)]
+        making: u64,
         #[command(flatten)]
         extent: Extent,
     },
-    /// One set of the sweep's plan through `explain`: its line of JSON
+    /// One set of the sweep's plan through `explain`: a line when it is made, then its line of JSON
     Judge {
         /// Name in the plan
         name: String,
@@ -106,11 +109,11 @@ impl Drawn {
 }
 
 /// The verdict on a set, from this program in another process.
-fn judged_apart(set: &plan::Planned, drawn: &Drawn, limit: u64) -> anyhow::Result<Judged> {
+fn judged_apart(set: &plan::Planned, drawn: &Drawn, limits: [u64; 2]) -> anyhow::Result<Judged> {
     let mut program = Command::new(std::env::current_exe()?);
     let [seed, clean] = [drawn.seed.to_string(), drawn.clean.to_string()];
     program.args(["judge", &set.name, "--seed", &seed, "--clean", &clean]);
-    Ok(serde_json::from_str(&printed(program, Duration::from_secs(limit))?)?)
+    Ok(serde_json::from_str(&printed(program, limits.map(Duration::from_secs))?)?)
 }
 
 fn main() -> anyhow::Result<ExitCode> {
@@ -125,16 +128,19 @@ fn run_table(table: &Table) -> anyhow::Result<String> {
         Table::Bands { rigs, first } => cases::verify_reconstruction_bands::table(*first..first + rigs),
         Table::Hypotheses => cases::verify_mode_hypotheses::table(),
         Table::Splines => cases::compare_splines::table(),
-        Table::Sweep { limit, extent } => {
+        Table::Sweep { limit, making, extent } => {
             let mut sets = extent.drawn.plan();
             sets.truncate(extent.first);
             let apart = |set: &plan::Planned| {
-                judged_apart(set, &extent.drawn, *limit).unwrap_or_else(|error| Judged::failed(set, &error))
+                judged_apart(set, &extent.drawn, [*making, *limit])
+                    .unwrap_or_else(|error| Judged::failed(set, &error))
             };
             let done = sweep::resume(&extent.output, &sets, |set| &set.name, apart)?;
             Ok(tables::markdown(&format!("Sweep of explain, seed {}", extent.drawn.seed), &done))
         }
-        Table::Judge { name, drawn } => Ok(serde_json::to_string(&judge(&drawn.set(name)?))? + "\n"),
+        Table::Judge { name, drawn } => {
+            Ok(serde_json::to_string(&judge(&drawn.set(name)?, || println!("{MADE}")))? + "\n")
+        }
         Table::Set { name, output, drawn } => {
             let planned = drawn.set(name)?;
             let made = make(&planned)?.simulation;

@@ -1,7 +1,7 @@
 //! A sensor that saturates softly: what it reads against what the others say it should.
 //!
 //! A hard limit shows in the samples of the channel itself ([`crate::channels`]); a soft one does not. With the signal of one
-//! sensor free on every line, the balance of the others says what accelerates it, `x = m − b` (measured `m`, free value `b`).
+//! sensor free on every line, the balance of the others says what accelerates it: `x`, the measured line less the free value.
 //! A reading that is a function of `x` alone, straight up to `a` and bent beyond it,
 //!
 //! `y(x) = sgn(x) (a + b (1 + (b/c)ⁿ)^(−m/n))` with `b = |x| − a > 0`, `y(x) = x` with `|x| ≤ a`,

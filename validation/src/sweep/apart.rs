@@ -1,33 +1,61 @@
 //! A set in a process of its own, which can be stopped: one that never answers must not hold up the others.
 
-use std::io::Read;
+use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
 /// How often a process is looked after.
 const LOOK: Duration = Duration::from_millis(50);
+/// The line a process prints when its set is made and the question is put.
+pub const MADE: &str = "made";
 
-/// What a program prints on one core within a limit.
+/// A set that could not be made in time: nothing was asked of it.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("not made within {} s", .0.as_secs())]
+pub struct NotMade(pub Duration);
+
+/// What a program prints on one core after the line [`MADE`]; it has a limit for coming there and one for the answer.
 ///
 /// # Errors
-/// Where it cannot be run, fails, or takes longer.
-pub fn printed(mut program: Command, limit: Duration) -> anyhow::Result<String> {
+/// [`NotMade`], or where it cannot be run, fails, or does not answer in time.
+pub fn printed(mut program: Command, [making, answering]: [Duration; 2]) -> anyhow::Result<String> {
     let mut child = program.env("RAYON_NUM_THREADS", "1").stdout(Stdio::piped()).spawn()?;
-    let begun = Instant::now();
-    let status = loop {
-        match child.try_wait()? {
-            Some(status) => break status,
-            None if begun.elapsed() > limit => {
-                child.kill()?;
-                child.wait()?;
-                anyhow::bail!("no answer within {} s", limit.as_secs());
+    let out = child.stdout.take();
+    let made = Arc::new(AtomicBool::new(false));
+    let seen = Arc::clone(&made);
+    let reader = thread::spawn(move || {
+        let mut text = String::new();
+        for line in out.into_iter().flat_map(|out| BufReader::new(out).lines()).map_while(Result::ok) {
+            if line == MADE {
+                seen.store(true, Ordering::Relaxed);
+            } else {
+                text += &line;
+                text.push('\n');
             }
-            None => thread::sleep(LOOK),
         }
+        text
+    });
+    let (mut begun, mut asked) = (Instant::now(), false);
+    let status = loop {
+        if let Some(status) = child.try_wait()? {
+            break status;
+        }
+        if !asked && made.load(Ordering::Relaxed) {
+            (begun, asked) = (Instant::now(), true);
+        }
+        let limit = if asked { answering } else { making };
+        if begun.elapsed() > limit {
+            child.kill()?;
+            child.wait()?;
+            anyhow::ensure!(asked, NotMade(limit));
+            anyhow::bail!("no answer within {} s", limit.as_secs());
+        }
+        thread::sleep(LOOK);
     };
-    let mut text = String::new();
-    child.stdout.take().map(|mut out| out.read_to_string(&mut text)).transpose()?;
+    let text = reader.join().map_err(|_| anyhow::anyhow!("what it printed was lost"))?;
     anyhow::ensure!(status.success(), "broke off: {status}");
     Ok(text)
 }
@@ -44,11 +72,13 @@ mod tests {
 
     #[test]
     fn a_program_that_does_not_end_is_stopped() {
-        let long = Duration::from_secs(20);
-        assert_eq!(printed(shell("echo $RAYON_NUM_THREADS"), long).unwrap(), "1\n");
-        assert!(printed(shell("exit 3"), long).unwrap_err().to_string().contains('3'));
+        let (long, short) = (Duration::from_secs(20), Duration::from_millis(200));
+        assert_eq!(printed(shell("echo made; echo $RAYON_NUM_THREADS"), [long; 2]).unwrap(), "1\n");
+        assert!(printed(shell("exit 3"), [long; 2]).unwrap_err().to_string().contains('3'));
         let begun = Instant::now();
-        let stopped = printed(shell("exec sleep 60"), Duration::from_millis(200)).unwrap_err();
+        let stopped = printed(shell("echo made; exec sleep 60"), [long, short]).unwrap_err();
         assert!(stopped.to_string().starts_with("no answer") && begun.elapsed() < long, "{stopped}");
+        let unmade = printed(shell("exec sleep 60"), [short, long]).unwrap_err();
+        assert_eq!(unmade.downcast_ref(), Some(&NotMade(short)));
     }
 }

@@ -1,6 +1,7 @@
 //! What became of a set.
 
 use super::Finished;
+use super::apart::NotMade;
 use super::made::{Made, make};
 use super::plan::Planned;
 use frettrace::Progress;
@@ -37,6 +38,9 @@ pub struct Judged {
     pub over_floor: [f64; 2],
     /// Why it failed.
     pub failure: Option<String>,
+    /// Whether it could not be made: no rig settles, or not in time.
+    #[serde(default)]
+    pub unmade: bool,
     /// What `explain` took on one core (s).
     #[serde(default)]
     pub seconds: f64,
@@ -130,17 +134,21 @@ impl Judged {
             effect: planned.formula.and_then(|formula| formula.split('/').next()).map(str::to_owned),
             left_out: planned.left_out,
             failure: Some(format!("{error:#}")),
+            unmade: error.is::<NotMade>(),
             ..Self::default()
         }
     }
 }
 
-/// Makes a planned set and asks what it lacks.
+/// Makes a planned set and asks what it lacks; `asked` is called between the two.
 #[must_use]
-pub fn judge(planned: &Planned) -> Judged {
-    make(planned)
-        .and_then(|made| answered(planned, &made))
-        .unwrap_or_else(|error| Judged::failed(planned, &error))
+pub fn judge(planned: &Planned, asked: impl FnOnce()) -> Judged {
+    let made = match make(planned) {
+        Ok(made) => made,
+        Err(error) => return Judged { unmade: true, ..Judged::failed(planned, &error) },
+    };
+    asked();
+    answered(planned, &made).unwrap_or_else(|error| Judged::failed(planned, &error))
 }
 
 fn answered(planned: &Planned, made: &Made) -> anyhow::Result<Judged> {
@@ -164,6 +172,7 @@ fn answered(planned: &Planned, made: &Made) -> anyhow::Result<Judged> {
         size_inside: size_inside(made, &found),
         over_floor: [error.before, error.after].map(|value| value / error.noise_floor),
         failure: None,
+        unmade: false,
         seconds,
         effect,
     })

@@ -34,6 +34,8 @@ enum Needs {
     Soft,
     /// Runs at several preloads.
     Preloads,
+    /// Declared modes: where nobody declares a damping ratio none can be another than declared.
+    Modes,
 }
 
 const DAHL: &[&str] = &["dahl"];
@@ -94,8 +96,8 @@ const FORMULAS: &[Formula] = &[
     formula("structure.second-support", BRISTLE),
     formula("structure.second-support/round", BRISTLE),
     formula("structure.second-support/rubbing", BRISTLE),
-    formula("structure.modal-frequency", BRISTLE),
-    formula("structure.modal-damping", BRISTLE),
+    needing("structure.modal-frequency", BRISTLE, Needs::Modes),
+    needing("structure.modal-damping", BRISTLE, Needs::Modes),
     formula("structure.frequency-drift", BRISTLE),
     formula("structure.frequency-drift/settling", BRISTLE),
     formula("excitation.preload-modulation", BRISTLE),
@@ -158,7 +160,10 @@ fn with_effects(seed: u64) -> Vec<Planned> {
                             soft: formula.needs == Needs::Soft,
                             preloads: formula.needs == Needs::Preloads,
                             coloured: index / 2 % 2 == 1,
-                            modes: modes(index),
+                            modes: match modes(index) {
+                                Modes::Absent if formula.needs == Needs::Modes => Modes::Exact,
+                                modes => modes,
+                            },
                         },
                         seed: mixed(seed, index as u64),
                     });

@@ -34,6 +34,8 @@ pub struct Counts {
     pub false_unexplained: usize,
     /// Sets without an answer.
     pub failed: usize,
+    /// Sets that could not be made, in no other count.
+    pub unmade: usize,
     /// Intervals of an effect's size that can be compared, and those that hold the truth.
     pub sizes: [usize; 2],
     /// Sets named right in which the error left is at most 1.2 noise floors.
@@ -52,6 +54,10 @@ impl Counts {
     }
 
     fn add(&mut self, set: &Judged) {
+        if set.unmade {
+            self.unmade += 1;
+            return;
+        }
         let worth = set.worth();
         self.sets += 1;
         if worth == Worth::Failed {
@@ -119,6 +125,7 @@ pub fn markdown(title: &str, sets: &[Judged]) -> String {
         ("false alarms on clean sets", share(c.false_alarms, c.clean)),
         ("clean sets called unexplained", share(c.false_unexplained, c.clean)),
         ("no answer", c.failed.to_string()),
+        ("sets that could not be made, not counted", c.unmade.to_string()),
     ] {
         text += &format!("| {what} | {found} |\n");
     }
