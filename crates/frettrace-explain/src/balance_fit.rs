@@ -151,14 +151,9 @@ impl Study<'_> {
         let Ok(balances) = self.model.balance(setting, &self.training) else {
             return (f64::INFINITY, f64::INFINITY);
         };
-        let mut sum = (0.0, 0.0);
-        let mut worst: f64 = 0.0;
-        for balance in &balances {
-            let (chi, freedom) = balance.chi_squared();
-            sum = (sum.0 + chi, sum.1 + freedom as f64);
-            worst = worst.max(chi / freedom.max(1) as f64);
-        }
-        (sum.0 / f64::max(sum.1, 1.0), worst)
+        let over = |(chi, freedom): (f64, usize)| chi / freedom.max(1) as f64;
+        let worst = balances.iter().map(|balance| over(balance.chi_squared())).fold(0.0, f64::max);
+        (over(Balance::chi_squared_of(&balances)), worst)
     }
 
     fn structure_unknowns(&self) -> Vec<Unknown> {

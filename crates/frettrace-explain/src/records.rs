@@ -159,19 +159,28 @@ impl RunRecord {
         }
     }
 
-    /// Mean square of measured minus predicted in a sensor that clips: with the prediction clipped alike, and with it as it is.
-    pub(crate) fn clipped_errors(&self, sensor: usize, predicted: &[Complex64]) -> Option<[f64; 2]> {
-        let beside = |lines: &[Complex64]| {
-            let measured = &self.lines.acceleration[sensor];
-            power(measured.iter().zip(lines).map(|(a, b)| a - b)) + self.beside[sensor]
-        };
+    /// Mean square of measured minus predicted lines of a sensor, with what lies beside the lines.
+    pub(crate) fn line_error(&self, sensor: usize, predicted: &[Complex64]) -> f64 {
+        let measured = &self.lines.acceleration[sensor];
+        power(measured.iter().zip(predicted).map(|(a, b)| a - b)) + self.beside[sensor]
+    }
+
+    /// Mean square of measured minus predicted in a sensor that clips, with the prediction clipped alike.
+    pub(crate) fn clipped_error(&self, sensor: usize, predicted: &[Complex64]) -> Option<f64> {
         Some(match self.clipped[sensor].as_ref()? {
             Clipped::Hard { limits: [low, high], raw, bend } => {
                 let bent = |x: f64| bend.map_or(x, |bend| bend.reads(x));
-                let cut = |x: f64| bent(x).clamp(*low, *high);
-                [self.mean_square_error(raw, cut, predicted), self.mean_square_error(raw, |x| x, predicted)]
+                self.mean_square_error(raw, |x| bent(x).clamp(*low, *high), predicted)
             }
-            Clipped::Soft(saturation) => [beside(&saturation.lines(predicted)), beside(predicted)],
+            Clipped::Soft(saturation) => self.line_error(sensor, &saturation.lines(predicted)),
+        })
+    }
+
+    /// The same with the prediction as it is.
+    pub(crate) fn unclipped_error(&self, sensor: usize, predicted: &[Complex64]) -> Option<f64> {
+        Some(match self.clipped[sensor].as_ref()? {
+            Clipped::Hard { raw, .. } => self.mean_square_error(raw, |x| x, predicted),
+            Clipped::Soft(_) => self.line_error(sensor, predicted),
         })
     }
 

@@ -1,7 +1,6 @@
 //! The study: split, fits, errors.
 
 use crate::case::Scales;
-use crate::records::power;
 use crate::series_fit::SeriesContact;
 use crate::split::{Split, by_level};
 use crate::start;
@@ -259,9 +258,7 @@ impl<'a> Study<'a> {
         (0..record.power.len())
             .map(|s| {
                 let missed = prediction.map_or(record.power[s], |p| {
-                    let measured = &record.lines.acceleration[s];
-                    let lines = power(measured.iter().zip(&p[s]).map(|(a, b)| a - b));
-                    record.clipped_errors(s, &p[s]).map_or(lines + record.beside[s], |[clipped, _]| clipped)
+                    record.clipped_error(s, &p[s]).unwrap_or_else(|| record.line_error(s, &p[s]))
                 });
                 RunError {
                     error: missed * samples,
@@ -284,8 +281,8 @@ impl<'a> Study<'a> {
             sum.error += record.excess.iter().sum::<f64>() * samples;
             let Some(prediction) = prediction else { continue };
             for (s, predicted) in prediction.iter().enumerate() {
-                let errors = record.clipped_errors(s, predicted);
-                sum.error += errors.map_or(0.0, |[clipped, free]| free - clipped) * samples;
+                let pair = record.unclipped_error(s, predicted).zip(record.clipped_error(s, predicted));
+                sum.error += pair.map_or(0.0, |(free, clipped)| free - clipped) * samples;
             }
         }
         sum

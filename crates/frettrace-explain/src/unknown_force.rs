@@ -54,10 +54,7 @@ impl Study<'_> {
     fn located_at(&self, setting: &Setting, place: PortPlace) -> Option<Located> {
         let single = with_only(setting, place);
         let found = self.model.balance_beside(&single, &self.training, Beside::Ports).ok()?;
-        let (chi, freedom) = found.iter().fold((0.0, 0), |sum, balance| {
-            let (chi, freedom) = balance.chi_squared();
-            (sum.0 + chi, sum.1 + freedom)
-        });
+        let (chi, freedom) = Balance::chi_squared_of(&found);
         Some(Located { place, chi, freedom })
     }
 
@@ -138,7 +135,7 @@ impl Study<'_> {
     /// χ² of the balance of the fitted runs with something free beside the contact force.
     pub(crate) fn chi_beside(&self, setting: &Setting, beside: Beside) -> f64 {
         let found = self.model.balance_beside(setting, &self.training, beside);
-        found.map_or(f64::INFINITY, |all| all.iter().map(|b| b.chi_squared().0).sum())
+        found.map_or(f64::INFINITY, |all| Balance::chi_squared_of(&all).0)
     }
 
     /// A motion of the base of any size and phase on every line, where it closes the balance far better than the plain
@@ -150,11 +147,7 @@ impl Study<'_> {
         }
         let all: Vec<usize> = (0..self.model.runs.len()).collect();
         let found = self.model.balance_beside(setting, &all, Beside::Base).ok()?;
-        let (chi, freedom) = self
-            .training
-            .iter()
-            .map(|&run| found[run].chi_squared())
-            .fold((0.0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
+        let (chi, freedom) = Balance::chi_squared_of(self.training.iter().map(|&run| &found[run]));
         if chi > WORTH * plain {
             return None;
         }

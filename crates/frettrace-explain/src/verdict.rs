@@ -45,9 +45,9 @@ const HELD_OUT: f64 = 2.5;
 const HELD_OUT_SHARE: f64 = 0.5;
 /// The structure is calibrated on the balance above this χ² per degree of freedom: with the thousand degrees of freedom of
 /// a set, two standard deviations.
-const BALANCE_CALIBRATED: f64 = 1.1;
+pub(crate) const BALANCE_CALIBRATED: f64 = 1.1;
 /// The balance of all training runs is closed below this χ² per degree of freedom …
-const BALANCE_CLOSED: f64 = 1.6;
+pub(crate) const BALANCE_CLOSED: f64 = 1.6;
 /// … wide open above this, where a law would only be bent to what is missing, …
 const BALANCE_WIDE: f64 = 100.0;
 /// … and closed below this in each of them.
@@ -287,6 +287,30 @@ impl Search<'_> {
             }
         }
         current
+    }
+
+    /// The same with the further values of its last effect's shape, where it leaves more than the noise of what was `lacked`: the form
+    /// that did best on the recovered contacts may be another laboratory's.
+    fn shaped(&mut self, current: Explained, lacked: f64) -> Explained {
+        let shape = current.effects.last().map_or_else(Vec::new, |&effect| ALL[effect].shape());
+        if shape.is_empty() || current.complete() {
+            return current;
+        }
+        let mut richer = current.clone();
+        for change in shape {
+            let law = &mut richer.fitted.setting.law;
+            law.set(change.hook, law.get(change.hook).unwrap_or(change.start));
+            richer.added.extend(
+                change.parameter.map(|parameter| Unknown { quantity: Quantity::Law(change.hook), parameter }),
+            );
+        }
+        if let Some(count) = richer.counts.last_mut() {
+            *count += richer.added.len() - current.added.len();
+        }
+        match self.study.polished(&richer) {
+            Ok(better) if better.criterion + EVIDENCE < current.criterion => self.further(better, lacked),
+            _ => current,
+        }
     }
 
     /// Whether what a model with a rigid contact leaves beside the noise is no more than its balance may be wrong by.

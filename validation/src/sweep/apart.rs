@@ -2,13 +2,10 @@
 
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How often a process is looked after.
-const LOOK: Duration = Duration::from_millis(50);
 /// The line a process prints when its set is made and the question is put.
 pub const MADE: &str = "made";
 
@@ -24,38 +21,28 @@ pub struct NotMade(pub Duration);
 pub fn printed(mut program: Command, [making, answering]: [Duration; 2]) -> anyhow::Result<String> {
     let mut child = program.env("RAYON_NUM_THREADS", "1").stdout(Stdio::piped()).spawn()?;
     let out = child.stdout.take();
-    let made = Arc::new(AtomicBool::new(false));
-    let seen = Arc::clone(&made);
-    let reader = thread::spawn(move || {
-        let mut text = String::new();
-        for line in out.into_iter().flat_map(|out| BufReader::new(out).lines()).map_while(Result::ok) {
-            if line == MADE {
-                seen.store(true, Ordering::Relaxed);
-            } else {
-                text += &line;
-                text.push('\n');
+    let (sender, lines) = mpsc::channel();
+    thread::spawn(move || {
+        let lines = out.into_iter().flat_map(|out| BufReader::new(out).lines()).map_while(Result::ok);
+        // Whoever has stopped the program listens no more.
+        lines.map(|line| sender.send(line)).take_while(Result::is_ok).for_each(drop);
+    });
+    let (mut text, mut begun, mut asked) = (String::new(), Instant::now(), false);
+    loop {
+        let limit = if asked { answering } else { making };
+        match lines.recv_timeout(limit.saturating_sub(begun.elapsed())) {
+            Ok(line) if line == MADE => (begun, asked) = (Instant::now(), true),
+            Ok(line) => text += &(line + "\n"),
+            Err(RecvTimeoutError::Disconnected) => break,
+            Err(RecvTimeoutError::Timeout) => {
+                child.kill()?;
+                child.wait()?;
+                anyhow::ensure!(asked, NotMade(limit));
+                anyhow::bail!("no answer within {} s", limit.as_secs());
             }
         }
-        text
-    });
-    let (mut begun, mut asked) = (Instant::now(), false);
-    let status = loop {
-        if let Some(status) = child.try_wait()? {
-            break status;
-        }
-        if !asked && made.load(Ordering::Relaxed) {
-            (begun, asked) = (Instant::now(), true);
-        }
-        let limit = if asked { answering } else { making };
-        if begun.elapsed() > limit {
-            child.kill()?;
-            child.wait()?;
-            anyhow::ensure!(asked, NotMade(limit));
-            anyhow::bail!("no answer within {} s", limit.as_secs());
-        }
-        thread::sleep(LOOK);
-    };
-    let text = reader.join().map_err(|_| anyhow::anyhow!("what it printed was lost"))?;
+    }
+    let status = child.wait()?;
     anyhow::ensure!(status.success(), "broke off: {status}");
     Ok(text)
 }

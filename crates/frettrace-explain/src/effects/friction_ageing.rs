@@ -45,6 +45,7 @@ impl Effect for FrictionAgeing {
         }
         forms
     }
+
     fn shape(&self) -> Vec<Change> {
         vec![Change::linear(Hook::AgeingSaturation, 0.0, 0.3, (0.0, 1.0))]
     }

@@ -79,30 +79,6 @@ impl Search<'_> {
         (eased && current.effects.is_empty()).then_some(stiff)
     }
 
-    /// The same with the further values of its last effect's shape, where it leaves more than the noise of what was `lacked`: the form
-    /// that did best on the recovered contacts may be another laboratory's.
-    fn shaped(&mut self, current: Explained, lacked: f64) -> Explained {
-        let shape = current.effects.last().map_or_else(Vec::new, |&effect| ALL[effect].shape());
-        if shape.is_empty() || current.complete() {
-            return current;
-        }
-        let mut richer = current.clone();
-        for change in shape {
-            let law = &mut richer.fitted.setting.law;
-            law.set(change.hook, law.get(change.hook).unwrap_or(change.start));
-            richer.added.extend(
-                change.parameter.map(|parameter| Unknown { quantity: Quantity::Law(change.hook), parameter }),
-            );
-        }
-        if let Some(count) = richer.counts.last_mut() {
-            *count += richer.added.len() - current.added.len();
-        }
-        match self.study.polished(&richer) {
-            Ok(better) if better.criterion + EVIDENCE < current.criterion => self.further(better, lacked),
-            _ => current,
-        }
-    }
-
     /// A round over the contact, fitted to its end; another one on contacts recovered with the declared compliance, where that
     /// leaves something.
     pub(super) fn contact(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {

@@ -56,6 +56,11 @@ impl Balance {
         let lines = self.force.len().saturating_sub(1);
         (sum, 2 * lines * self.left.len().saturating_sub(1 + self.beside.len()))
     }
+
+    /// χ² and degrees of freedom of several runs together.
+    pub fn chi_squared_of<'a>(all: impl IntoIterator<Item = &'a Self>) -> (f64, usize) {
+        all.into_iter().map(Self::chi_squared).fold((0.0, 0), |a, b| (a.0 + b.0, a.1 + b.1))
+    }
 }
 
 impl AccelerationModel {
