@@ -26,6 +26,8 @@ const LOOKS_OF_ONE: usize = 3;
 const AGAIN: usize = 4;
 /// Steps from each of them, before the best get all.
 const BEGIN: usize = 8;
+/// Rises of the static friction over the sliding one, as shares of it, that are tried where the contacts do not bound it.
+const RISES: [f64; 3] = [0.15, 0.5, 1.5];
 /// Other starts of the declared law that get all.
 const ENDED: usize = 2;
 
@@ -170,6 +172,45 @@ impl Study<'_> {
         begun.truncate(ENDED);
         let ended: Vec<ContactCandidate> = begun.par_iter().filter_map(end).collect();
         ended.into_iter().chain([first]).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
+    }
+
+    /// The law of a setting, fitted already, on the recovered contacts again for each of some static frictions below its own: a
+    /// contact without a presliding range shows its friction where it slides, and what it would hold at rest only as far as its
+    /// motion is resolved there. Where it is not, the fit may hold any force, and the whole model has no answer with it.
+    pub(crate) fn breakaways(
+        &self,
+        recovered: &Contacts,
+        setting: &Setting,
+        law_unknowns: &[Unknown],
+    ) -> Vec<ModifiedLaw<f64>> {
+        let others: Vec<Unknown> = law_unknowns
+            .iter()
+            .filter(|u| u.quantity != Quantity::Law(Hook::StribeckRise))
+            .cloned()
+            .collect();
+        let plain = ContactForm::new(Vec::new());
+        let [rise, sliding] =
+            [Hook::StribeckRise, Hook::MuKinetic].map(|h| setting.law.get(h).unwrap_or_default());
+        let at = |share: f64| {
+            let mut setting = setting.clone();
+            setting.law.set(Hook::StribeckRise, share * sliding);
+            self.contact_candidate(recovered, &setting, &others, (usize::MAX, &plain), ALL_STEPS)
+        };
+        let lower = RISES.into_par_iter().filter(|share| share * sliding < rise);
+        lower.filter_map(at).map(|found| found.law).collect()
+    }
+
+    /// The law of a setting, without a presliding range, fitted to the recovered contacts: to its end, and for each of some static
+    /// frictions below what it comes to.
+    ///
+    /// # Errors
+    /// [`ExplainError::Model`] where the structure cannot be built.
+    pub fn laws_on_contacts(&self, setting: &Setting) -> Result<Vec<ModifiedLaw<f64>>, ExplainError> {
+        let unknowns: Vec<Unknown> = self.case.unknowns().into_iter().filter(Unknown::is_of_law).collect();
+        let recovered = self.recovered(setting)?;
+        let Some(base) = self.contact_base(&recovered, setting, &unknowns) else { return Ok(Vec::new()) };
+        let fitted = Setting { law: base.law, ..setting.clone() };
+        Ok(std::iter::once(base.law).chain(self.breakaways(&recovered, &fitted, &unknowns)).collect())
     }
 
     /// A form of an effect on the recovered contacts, fitted to its end: on what is quick to march first.

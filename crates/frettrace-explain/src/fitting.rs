@@ -16,6 +16,13 @@ pub struct Unknown {
     pub parameter: Parameter,
 }
 
+impl Unknown {
+    /// Whether it is a value of the contact's law.
+    pub(crate) fn is_of_law(&self) -> bool {
+        matches!(self.quantity, Quantity::Law(_))
+    }
+}
+
 /// The acceleration-level model of selected runs as a least-squares problem: residuals are measured minus predicted
 /// lines over their standard deviations, real and imaginary parts.
 pub struct AccelerationFit<'a> {

@@ -1,6 +1,7 @@
 //! The search: the whole model for the few candidates that stand out on the recovered contacts or on the balance.
 
 use crate::contact_search::{ContactCandidate, within_reach};
+use crate::effects::ALL;
 use crate::study::merge;
 use crate::{ExplainError, Fitted, Study, Unknown};
 use frettrace_forward::accelerations::{Quantity, Setting};
@@ -76,9 +77,14 @@ impl Explained {
     }
 
     /// Whether so little is left of what `baseline` missed that no further mechanism can be told in it: a hundredth of its
-    /// excess, and an error within a fifth of the noise.
+    /// excess, and an error within a fifth of the noise. What an effect with one formula leaves is another mechanism.
     pub(crate) fn sufficient(&self, baseline: &Self) -> bool {
-        self.worst <= SUFFICIENT && self.excess() <= REST * baseline.excess()
+        self.worst <= SUFFICIENT && self.excess() <= REST * baseline.excess() && !self.has_exact()
+    }
+
+    /// Whether one of the effects has no other formula.
+    fn has_exact(&self) -> bool {
+        self.effects.iter().any(|&effect| ALL[effect].is_exact())
     }
 
     /// Whether one mechanism takes so much away that its name is out of doubt though its formula is not this one: a thousandth
@@ -87,6 +93,7 @@ impl Explained {
         self.worst <= OTHER_FORMULA
             && self.excess() <= DOMINANT * baseline.excess()
             && self.excess() * RIVALS <= rivals
+            && !self.has_exact()
     }
 
     /// Whether nothing is left to explain.

@@ -25,8 +25,9 @@ const PROXY: f64 = 0.4;
 const NEAR: f64 = 6.0;
 /// … and so is one that leaves no more than this share of the excess before it.
 const MOST_TAKEN: f64 = 0.05;
-/// Finer grids, each twice as fine as the one before, that a model may get.
+/// Finer grids, each twice as fine as the one before, that a model may get, and that one with a rigid contact may.
 const MOST_REFINED: usize = 2;
+const MOST_REFINED_RIGID: usize = 3;
 /// Share of the excess that a finer grid must take it to, to be kept.
 const FINER: f64 = 0.7;
 /// Compliance, as a share of the contact's own, from which it is the law's want and not the structure's.
@@ -89,10 +90,6 @@ struct Search<'a> {
     notes: Vec<String>,
 }
 
-fn is_law(unknown: &Unknown) -> bool {
-    matches!(unknown.quantity, Quantity::Law(_))
-}
-
 impl<'a> Search<'a> {
     fn new(study: Study<'a>) -> Self {
         Self {
@@ -125,7 +122,7 @@ impl Search<'_> {
         if open <= BALANCE_CALIBRATED {
             return;
         }
-        let structural: Vec<Unknown> = current.added.iter().filter(|u| !is_law(u)).cloned().collect();
+        let structural: Vec<Unknown> = current.added.iter().filter(|u| !u.is_of_law()).cloned().collect();
         let calibrated = self.study.balance_base(setting, &structural);
         if self.closed(&calibrated.setting) && self.study.balance_reduced(&calibrated.setting).0 < open {
             current.fitted.setting = calibrated.setting;
@@ -274,7 +271,8 @@ impl Search<'_> {
         // corners than these, and a declared one may be far from the noise for nothing else.
         let kinked = current.fitted.setting.rigid && current.effects.is_empty();
         let near = kinked || current.ratio <= NEAR || current.excess() <= MOST_TAKEN * lacked;
-        while !current.complete() && near && self.refined < MOST_REFINED {
+        let most = if kinked { MOST_REFINED_RIGID } else { MOST_REFINED };
+        while !current.complete() && near && self.refined < most {
             let Ok(study) = self.study.refined() else { break };
             match study.polished(&current) {
                 Ok(better) if better.excess() < FINER * current.excess() => {
@@ -292,7 +290,8 @@ impl Search<'_> {
     /// The same with the further values of its last effect's shape, where it leaves more than the noise of what was `lacked`: the form
     /// that did best on the recovered contacts may be another laboratory's.
     fn shaped(&mut self, current: Explained, lacked: f64) -> Explained {
-        let shape = current.effects.last().map_or_else(Vec::new, |&effect| ALL[effect].shape());
+        let mut shape = current.effects.last().map_or_else(Vec::new, |&e| ALL[e].shape(&self.study.scales));
+        shape.retain(|change| current.added.iter().all(|u| u.quantity != Quantity::Law(change.hook)));
         if shape.is_empty() || current.complete() {
             return current;
         }

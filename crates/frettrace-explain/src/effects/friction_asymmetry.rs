@@ -31,8 +31,13 @@ impl Effect for FrictionAsymmetry {
 
     fn contact_forms(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
         let share = || Change::linear(Hook::Asymmetry, 0.02, 0.02, (-0.9, 0.9));
-        // Another laboratory's coefficient turns over smoothly with the velocity.
-        let over = Change::positive(Hook::AsymmetryVelocity, 0.05 * scales.velocity, 1e-3);
-        vec![ContactForm::new(vec![share()]), ContactForm::new(vec![share(), over])]
+        let mut over = vec![share()];
+        over.extend(self.shape(scales));
+        vec![ContactForm::new(vec![share()]), ContactForm::new(over)]
+    }
+
+    /// Another laboratory's coefficient turns over smoothly with the velocity.
+    fn shape(&self, scales: &Scales) -> Vec<Change> {
+        vec![Change::positive(Hook::AsymmetryVelocity, 0.05 * scales.velocity, 1e-3)]
     }
 }

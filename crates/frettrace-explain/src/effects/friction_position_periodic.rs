@@ -42,7 +42,7 @@ impl Effect for FrictionPositionPeriodic {
             .into()
     }
 
-    fn shape(&self) -> Vec<Change> {
+    fn shape(&self, _scales: &Scales) -> Vec<Change> {
         [Hook::PeriodicCosine2, Hook::PeriodicSine2, Hook::PeriodicCosine3, Hook::PeriodicSine3]
             .map(|hook| Change::linear(hook, 0.0, 0.05, (-0.9, 0.9)))
             .into()

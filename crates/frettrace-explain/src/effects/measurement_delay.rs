@@ -29,6 +29,10 @@ impl Effect for MeasurementDelay {
         "a tap with a hammer seen by all channels"
     }
 
+    fn is_exact(&self) -> bool {
+        true
+    }
+
     fn structure_forms(&self, _case: &Case, setting: &Setting, scales: &Scales) -> Vec<StructureForm> {
         let forms = |sensor| {
             let pure = signed(

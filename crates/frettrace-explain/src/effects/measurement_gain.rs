@@ -29,6 +29,10 @@ impl Effect for MeasurementGain {
         "the sensor exchanged with its neighbour"
     }
 
+    fn is_exact(&self) -> bool {
+        true
+    }
+
     fn structure_forms(&self, _case: &Case, setting: &Setting, _scales: &Scales) -> Vec<StructureForm> {
         (0..setting.sensors.len())
             .map(|sensor| {

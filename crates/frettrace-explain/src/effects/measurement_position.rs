@@ -29,6 +29,10 @@ impl Effect for MeasurementPosition {
         "a ruler"
     }
 
+    fn is_exact(&self) -> bool {
+        true
+    }
+
     fn structure_forms(&self, _case: &Case, setting: &Setting, scales: &Scales) -> Vec<StructureForm> {
         (0..setting.sensors.len())
             .map(|sensor| {

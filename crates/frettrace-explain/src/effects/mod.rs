@@ -145,8 +145,13 @@ pub(crate) trait Effect: Sync {
     }
 
     /// Further values of its shape, from those that add nothing, for data that its forms do not satisfy.
-    fn shape(&self) -> Vec<Change> {
+    fn shape(&self, _scales: &Scales) -> Vec<Change> {
         Vec::new()
+    }
+
+    /// Whether what it names is one formula: then what its forms leave is something else.
+    fn is_exact(&self) -> bool {
+        false
     }
 
     /// Its forms in structure, excitation or measurement.

@@ -29,6 +29,10 @@ impl Effect for StructureModalDamping {
         "a decay test with the contact open"
     }
 
+    fn is_exact(&self) -> bool {
+        true
+    }
+
     fn structure_forms(&self, _case: &Case, setting: &Setting, _scales: &Scales) -> Vec<StructureForm> {
         (0..setting.frequency.len())
             .map(|mode| {

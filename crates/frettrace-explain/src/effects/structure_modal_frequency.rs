@@ -29,6 +29,10 @@ impl Effect for StructureModalFrequency {
         "modes measured with the friction removed, repeated"
     }
 
+    fn is_exact(&self) -> bool {
+        true
+    }
+
     fn structure_forms(&self, _case: &Case, setting: &Setting, _scales: &Scales) -> Vec<StructureForm> {
         (0..setting.frequency.len())
             .map(|mode| {

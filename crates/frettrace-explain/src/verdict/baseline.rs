@@ -1,10 +1,11 @@
 //! The declared model: what everything is measured against.
 
-use super::{BALANCE_CALIBRATED, BALANCE_WIDE, Search, is_law};
+use super::{BALANCE_CALIBRATED, BALANCE_WIDE, Search};
 use crate::search::Explained;
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::Setting;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
+use rayon::prelude::*;
 
 /// Shares of a contact's stiffness that a fit begins from, until one has a steady answer.
 const SOFTER: [f64; 4] = [1.0, 0.2, 0.04, 0.008];
@@ -13,7 +14,7 @@ impl Search<'_> {
     /// The declared model: the law on the recovered contacts, then the whole.
     pub(super) fn baseline(&mut self, mut setting: Setting) -> Result<Explained, ExplainError> {
         let unknowns = self.study.case.unknowns();
-        let law: Vec<Unknown> = unknowns.iter().filter(|u| is_law(u)).cloned().collect();
+        let law: Vec<Unknown> = unknowns.iter().filter(|u| u.is_of_law()).cloned().collect();
         if self.study.case.loosely_known() || self.study.balance_reduced(&setting).0 > BALANCE_CALIBRATED {
             // Modes that are known loosely, beside the noise, are calibrated on the balance before any force is recovered.
             let calibrated = self.study.balance_base(&setting, &[]);
@@ -35,9 +36,13 @@ impl Search<'_> {
         };
         let found = if setting.holds_rigidly() {
             let slid = begun(setting.law);
-            let complete = slid.as_ref().is_some_and(Explained::complete);
-            let held = if complete { None } else { begun(self.held(&setting)) };
-            slid.into_iter().chain(held).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
+            let mut others = Vec::new();
+            if !slid.as_ref().is_some_and(Explained::complete) {
+                others = self.study.breakaways(&recovered, &setting, &law);
+                others.push(self.held(&setting));
+            }
+            let others: Vec<Explained> = others.into_par_iter().filter_map(begun).collect();
+            slid.into_iter().chain(others).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
         } else {
             // Where a stiff contact has no steady answer from a cold start, a softer one leads to it.
             SOFTER.into_iter().find_map(|share| {

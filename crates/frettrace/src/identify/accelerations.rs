@@ -156,9 +156,13 @@ fn one_law(
     conditions: &[Condition],
 ) -> Result<Joint, StudyError> {
     // Where the contact sticks a recovered slip is noise: a law without memory starts from what slides.
-    let leading = if start.family.is_static() { vec![own.clone()] } else { Vec::new() };
-    let found = start.settings.iter().map(|s| Setting { law: s.law, ..own.clone() });
-    let settings: Vec<Setting> = leading.into_iter().chain(found).collect();
+    let leading = if start.family.is_static() {
+        std::iter::once(own.law).chain(study.laws_on_contacts(&own)?).collect()
+    } else {
+        Vec::new()
+    };
+    let laws = leading.into_iter().chain(start.settings.iter().map(|s| s.law));
+    let settings: Vec<Setting> = laws.map(|law| Setting { law, ..own.clone() }).collect();
     let found = joint::fit(&mut study, &settings, fitted)?;
     let judgement = judged::judged(&study, &found, conditions)?;
     let (fitted, aperiodic) = (found.fitted, found.aperiodic.runs);
