@@ -103,7 +103,7 @@ pub(super) fn identify(
     let case = Case { law: joint.family, ..declared.clone() };
     let (mut study, _) = study_of(&case, &first)?;
     study.training.clone_from(&joint.training);
-    study.model.runs.clone_from(&joint.lines);
+    study.model = study.model.with_runs(joint.lines.clone()).map_err(ExplainError::from)?;
     let mut found = described((measurement, &study), joint);
     let (dependence, differing) = groups::described(joint, &conditions, &joint.tests);
     found.dependence = dependence;
