@@ -10,6 +10,7 @@ mod dropout;
 mod hum;
 
 use crate::{RunRecord, RunSamples, Saturation};
+use frettrace_forward::accelerations::RunLines;
 use frettrace_fourier::ProjectionError;
 
 /// A fault of a channel.
@@ -92,6 +93,7 @@ pub fn records(
             None => faults.push(offset),
         }
     }
+    RunLines::follow_excitation(records.iter_mut().map(|record| &mut record.lines));
     Ok((records, faults))
 }
 

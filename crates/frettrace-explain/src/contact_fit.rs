@@ -36,6 +36,8 @@ pub(crate) struct Recovered {
     dt: f64,
     preload: f64,
     progress: f64,
+    /// Phase at the first sample of a base line that follows the excitation (rad).
+    base_phase: f64,
     /// Static compliance of the structure at the contact (m/N).
     give: f64,
     /// First line compared: the mean, where the slip has one.
@@ -141,6 +143,7 @@ impl Recovered {
             dt,
             preload: lines.preload,
             progress: lines.progress,
+            base_phase: lines.base_phase,
             give: balance.slip_gain[0].re,
             first: 1,
         })

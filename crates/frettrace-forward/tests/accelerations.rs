@@ -40,6 +40,7 @@ fn model() -> AccelerationModel {
             force: lines,
             acceleration: vec![vec![Complex64::ZERO; ORDER + 1]; 3],
             deviation: vec![vec![1e-8; ORDER + 1]; 3],
+            base_phase: 0.0,
             known_force: Vec::new(),
             contact_order: 24,
             samples: 256,
@@ -122,6 +123,31 @@ fn derivatives_are_differences() {
         let error = size(&difference(&column, &expected, 1.0)) / size(&expected);
         assert!(error < 2e-4, "{quantity:?}: {error:e}");
     }
+}
+
+/// What follows the exciter does so wherever a record begins: with the force a number of samples of the phase grid later, all lines
+/// are later by as much.
+#[test]
+fn a_modulated_preload_follows_the_excitation() {
+    let mut law = ModifiedLaw::dahl(5e5, 0.25);
+    law.set(Hook::ModulationCosine, 0.2);
+    law.set(Hook::ModulationSine, -0.1);
+    let plain = Setting { law, ..setting() };
+    let model = model();
+    let later = |line: usize| Complex64::from_polar(1.0, -std::f64::consts::TAU * 40.0 / 256.0 * line as f64);
+    let mut runs = model.runs.clone();
+    for run in &mut runs {
+        run.force.iter_mut().enumerate().for_each(|(h, force)| *force *= later(h));
+    }
+    RunLines::follow_excitation(&mut runs);
+    let moved = model.with_runs(runs).unwrap();
+    let mut expected = model.predict(&plain, &[0, 1], &mut model.memory()).unwrap();
+    for lines in expected.iter_mut().flatten() {
+        lines.iter_mut().enumerate().for_each(|(h, line)| *line *= later(h));
+    }
+    let found = moved.predict(&plain, &[0, 1], &mut moved.memory()).unwrap();
+    let error = size(&difference(&found, &expected, 1.0)) / size(&expected);
+    assert!(error < 1e-7, "{error:e}");
 }
 
 /// A channel with a low pass reads `1/√2` of a line at its corner, an eighth of a period late.

@@ -97,6 +97,7 @@ fn balanced(force: f64, order: usize) -> Vec<Complex64> {
         force: force_lines,
         acceleration: vec![vec![Complex64::ZERO; LINES + 1]],
         deviation: vec![vec![1e-6 * force; LINES + 1]],
+        base_phase: 0.0,
         known_force: Vec::new(),
         contact_order: order,
         samples: 16 * (order + 1),

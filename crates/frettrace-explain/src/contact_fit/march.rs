@@ -20,6 +20,7 @@ impl Recovered {
             preload: self.preload,
             progress: self.progress,
             modulation,
+            modulation_phase: modulation as f64 * self.base_phase,
         }
     }
 

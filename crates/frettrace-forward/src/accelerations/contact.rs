@@ -23,6 +23,8 @@ pub(super) struct Contact<'a> {
     pub progress: f64,
     /// Order of the line with which the preload is modulated.
     pub modulation: usize,
+    /// Phase of that line at the first sample (rad).
+    pub modulation_phase: f64,
 }
 
 /// The motion of a step as directions of differentiation, after the states.
@@ -65,6 +67,7 @@ impl Contact<'_> {
             preload: self.preload,
             progress: self.progress,
             modulation: self.modulation,
+            modulation_phase: self.modulation_phase,
         }
     }
 

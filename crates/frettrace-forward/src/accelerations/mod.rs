@@ -11,6 +11,7 @@ mod differentiation;
 mod least_squares;
 mod linear;
 mod model;
+mod phase;
 mod ports;
 mod response;
 mod run;

@@ -22,6 +22,8 @@ pub struct RunLines {
     pub acceleration: Vec<Vec<Complex64>>,
     /// Standard deviation of real and imaginary part of each line (m/s²).
     pub deviation: Vec<Vec<f64>>,
+    /// Phase (rad) at the first sample of a base line that follows the excitation: see [`RunLines::follow_excitation`].
+    pub base_phase: f64,
     /// Lines of the force of a second support that is known from elsewhere (N); empty where there is none.
     pub known_force: Vec<Complex64>,
     /// Order of the unknown contact forces, at least the order of the lines.
@@ -36,6 +38,12 @@ impl RunLines {
     pub fn order(&self) -> usize {
         self.force.len().saturating_sub(1)
     }
+
+    /// First strong line of the excitation; 1 where there is none.
+    pub(super) fn driven(&self) -> usize {
+        let largest = self.force.iter().map(|f| f.norm()).fold(0.0, f64::max);
+        self.force.iter().position(|f| f.norm() > 0.5 * largest && largest > 0.0).unwrap_or(1).max(1)
+    }
 }
 
 impl RunLines {
@@ -48,10 +56,7 @@ impl RunLines {
         if line != base_line {
             return Complex64::ZERO;
         }
-        let largest = self.force.iter().map(|f| f.norm()).fold(0.0, f64::max);
-        let driven = self.force.iter().position(|f| f.norm() > 0.5 * largest).unwrap_or(1).max(1);
-        let phase = self.force.get(driven).map_or(0.0, |f| f.arg()) * line as f64 / driven as f64;
-        Complex64::from_polar(-(line as f64 * self.omega).powi(-2), phase)
+        Complex64::from_polar(-(line as f64 * self.omega).powi(-2), line as f64 * self.base_phase)
     }
 }
 
@@ -110,8 +115,7 @@ impl Evaluation<'_> {
 
     /// Lines of the base frequency from one strong line of the excitation to the next.
     pub fn subharmonic(&self) -> usize {
-        let largest = self.lines.force.iter().map(|f| f.norm()).fold(0.0, f64::max);
-        self.lines.force.iter().position(|f| f.norm() > 0.5 * largest && largest > 0.0).unwrap_or(1).max(1)
+        self.lines.driven()
     }
 
     pub fn width(&self) -> usize {
@@ -220,6 +224,7 @@ impl Evaluation<'_> {
             preload: self.lines.preload,
             progress: self.lines.progress,
             modulation: self.setting.modulation,
+            modulation_phase: self.setting.modulation as f64 * self.lines.base_phase,
         }
     }
 

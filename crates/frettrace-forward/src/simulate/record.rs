@@ -13,7 +13,9 @@ use super::fineness::{Fine, Marched, Marching};
 use super::foreign::ForeignLaw;
 use super::rig::{Attached, CrossTalk, SimulatedLaw, SimulatedRig, SimulatedRun, SimulatedSensor, Slip};
 use crate::ForwardError;
-use crate::march::{Assembly, FrictionContact, LocalLoad, March, Normal, Port, Settling, Structure};
+use crate::march::{
+    Assembly, FrictionContact, LocalLoad, March, Modulation, Normal, Port, Settling, Structure,
+};
 
 /// What a run hands over, and what only the simulation knows; one number a sample.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,10 +93,11 @@ impl Visitor<f64> for Job<'_> {
     type Output = Result<SimulatedRecord, ForwardError>;
 
     fn visit<L: FrictionLaw<f64>>(self, law: &L) -> Self::Output {
-        let assembly = self.assembly(*law)?;
         let mut random =
             Pcg64::seed_from_u64(self.rig.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(self.index));
-        let phase = random.random_range(0.0..TAU);
+        // Records begin anywhere, each in another period: what is driven at a part of the frequency is not alike in all.
+        let phase = random.random_range(0.0..TAU) + TAU * self.index as f64;
+        let assembly = self.assembly(*law, phase)?;
         let marched = self.march(March::new(&assembly, 1.0), phase);
         Ok(self.sample(&marched, &mut random))
     }
@@ -136,7 +139,7 @@ impl Job<'_> {
             .collect()
     }
 
-    fn assembly<L>(&self, law: L) -> Result<Assembly<L>, ForwardError> {
+    fn assembly<L>(&self, law: L, phase: f64) -> Result<Assembly<L>, ForwardError> {
         let model = self.model()?;
         let mut structure = Structure::from_beam(&model, &self.ports())?;
         let first = SENSORS + self.rig.sensors.len();
@@ -161,7 +164,10 @@ impl Job<'_> {
             cubic: self.rig.normal.cubic,
             sharpness: self.rig.normal.sharpness,
             lifts_off: self.rig.normal.lifts_off,
-            modulation: self.run.modulation,
+            modulation: self
+                .run
+                .modulation
+                .map(|m| Modulation { phase: m.phase + m.omega / self.run.omega * phase, ..m }),
             ..Normal::constant(self.run.preload)
         };
         Ok(Assembly {
@@ -180,9 +186,11 @@ impl Job<'_> {
     }
 
     /// The input loads at a time, in the order of the assembly; returns the acceleration of the base.
+    ///
+    /// `phase` is the excitation's at time nought; all that is driven keeps its phase to it.
     pub(super) fn known(&self, phase: f64, time: f64, loads: &mut [f64]) -> f64 {
-        let angle = self.run.omega * time;
-        loads[0] = self.run.force_amplitude * (angle + phase).sin();
+        let angle = self.run.omega * time + phase;
+        loads[0] = self.run.force_amplitude * angle.sin();
         loads[1] = loads[0];
         if let Some(force) = self.rig.second_force {
             loads[2] = force.amplitude * (force.frequency_ratio * angle + force.phase).cos();

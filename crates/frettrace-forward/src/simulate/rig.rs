@@ -111,7 +111,7 @@ pub struct SecondForce {
     pub amplitude: f64,
     /// Frequency over the excitation's.
     pub frequency_ratio: f64,
-    /// Phase (rad).
+    /// Phase where the excitation's sine begins (rad).
     pub phase: f64,
 }
 
@@ -131,7 +131,7 @@ pub struct BaseMotion {
     pub acceleration: f64,
     /// Frequency over the excitation's.
     pub frequency_ratio: f64,
-    /// Phase (rad).
+    /// Phase where the excitation's sine begins (rad).
     pub phase: f64,
 }
 
@@ -167,7 +167,7 @@ pub struct SimulatedRun {
     pub omega: f64,
     /// Preload (N).
     pub preload: f64,
-    /// Modulation of the preload.
+    /// Modulation of the preload; its phase is that where the excitation's sine begins.
     pub modulation: Option<Modulation>,
     /// Factor on all natural frequencies in this run.
     pub frequency_factor: f64,

@@ -37,6 +37,8 @@ pub struct Periodic<'a> {
     pub progress: f64,
     /// Line of the base frequency with which the preload is modulated, where the law has that.
     pub modulation: usize,
+    /// Phase of that line at the first sample (rad).
+    pub modulation_phase: f64,
 }
 
 impl Periodic<'_> {
@@ -63,7 +65,8 @@ impl Periodic<'_> {
 
     fn phase(&self, k: usize) -> [f64; 2] {
         let samples = self.slip.len();
-        let angle = std::f64::consts::TAU * (self.modulation * k % samples) as f64 / samples as f64;
+        let turns = (self.modulation * k % samples) as f64 / samples as f64;
+        let angle = std::f64::consts::TAU * turns + self.modulation_phase;
         [angle.cos(), angle.sin()]
     }
 

@@ -187,6 +187,7 @@ fn receptance(
         force: vec![Complex64::ZERO; bins],
         acceleration: vec![vec![Complex64::ZERO; bins]; sensors],
         deviation: vec![vec![1.0; bins]; sensors],
+        base_phase: 0.0,
         known_force: Vec::new(),
         contact_order: highest,
         samples: (4 * bins).next_power_of_two(),
