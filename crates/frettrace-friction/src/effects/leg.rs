@@ -2,7 +2,7 @@
 //! coefficient, the deflection. Only the last of these depends on the deflection itself.
 
 use super::hooks::Hook;
-use super::kernel::{elasto_plastic, power, powered, relax};
+use super::kernel::{elasto_plastic, power, powered, relax, rise};
 use super::modified::{Circumstance, End, ModifiedLaw, Stretch, sense};
 use crate::bristle::Friction;
 use crate::law::{Scalar, Stroke};
@@ -68,17 +68,17 @@ impl<T: Scalar> Leg<T> {
     /// How the deflection moves under the given friction coefficients.
     pub(super) fn flow(&self, law: &ModifiedLaw<T>, friction: [T; 3]) -> Flow<T> {
         let [start, middle, stop] = &self.ends;
-        let part = |mu: [T; 2], slip, normal| Part { mu, slip, normal };
+        let part = |mu, slip, normal: [&End<T>; 2]| Part { mu, slip, normal: normal.map(|end| end.normal) };
         let travel = self.motion.slip[1] - self.motion.slip[0];
         if !self.varies {
-            return Flow::Whole(part([friction[0]; 2], travel, start.normal));
+            return Flow::Whole(part([friction[0]; 2], travel, [start, stop]));
         }
         let stepwise = [Hook::SeriesCompliance, Hook::BreakawayShape, Hook::FlowPower];
         if stepwise.into_iter().any(|hook| law.on(hook)) {
             let [first, mid, last] = friction;
             return Flow::Halves([
-                part([first, mid], middle.slip - start.slip, start.normal),
-                part([mid, last], stop.slip - middle.slip, middle.normal),
+                part([first, mid], middle.slip - start.slip, [start, middle]),
+                part([mid, last], stop.slip - middle.slip, [middle, stop]),
             ]);
         }
         let [v0, v1] = self.motion.velocity;
@@ -98,7 +98,8 @@ impl<T: Scalar> Leg<T> {
 pub(super) struct Part<T> {
     mu: [T; 2],
     slip: T,
-    normal: T,
+    /// Normal force at both ends.
+    normal: [T; 2],
 }
 
 /// How the deflection moves over a stretch.
@@ -132,21 +133,23 @@ impl<T: Scalar> Flow<T> {
 
 impl<T: Scalar> Part<T> {
     fn over(&self, law: &ModifiedLaw<T>, b: T) -> T {
-        let sign = sense(self.slip);
         let mean = (self.mu[0] + self.mu[1]) * 0.5;
-        let xi = law.at(Hook::Sigma0) * self.slip.abs() / mean;
+        let reach = law.at(Hook::Sigma0) / mean;
         if !law.on(Hook::SeriesCompliance) {
-            return self.by(law, b, (sign, xi));
+            return self.by(law, b, (sense(self.slip), reach * self.slip.abs()));
         }
-        // dz = φ·du/(1 + σ0·φ·N·c): the rate at mid-stretch, predicted by half a stretch.
-        let stiffness = law.at(Hook::Sigma0) * self.normal * law.at(Hook::SeriesCompliance);
-        let softened = |b: T| {
-            let left = -(b * sign / mean) + 1.0;
-            let left = if left.re() > 0.0 { left } else { T::from(0.0) };
-            xi / (stiffness * left + 1.0)
+        // The spring carries N·b and is c·N·b long: db = σ0 φ (du − c b dN)/(1 + σ0 φ N c), with the rate at mid-stretch, predicted by
+        // half a stretch.
+        let compliance = law.at(Hook::SeriesCompliance);
+        let [from, to] = self.normal;
+        let stiffness = law.at(Hook::Sigma0) * (from + to) * 0.5 * compliance;
+        let pushed = |at: T, share: f64| {
+            let driven = self.slip - compliance * at * (to - from);
+            let sign = sense(driven);
+            let xi = reach * driven.abs() / (stiffness * law.yielding(at * sign / mean) + 1.0) * share;
+            self.by(law, b, (sign, xi))
         };
-        let middle = self.by(law, b, (sign, softened(b) * 0.5));
-        self.by(law, b, (sign, softened(middle)))
+        pushed(pushed(b, 0.5), 1.0)
     }
 
     fn by(&self, law: &ModifiedLaw<T>, b: T, (sign, xi): (f64, T)) -> T {
@@ -179,6 +182,21 @@ impl<T: Scalar> ModifiedLaw<T> {
     /// Whether a stretch begins as the one before it ended; where play is caught the velocity of the bristle jumps.
     pub(super) fn joins(&self) -> bool {
         !self.on(Hook::Backlash)
+    }
+
+    /// Rate `φ(r)` of the deflection over that of the bristle's stuck root; never below nothing.
+    fn yielding(&self, ratio: T) -> T {
+        let full = T::from(1.0);
+        let rate = if self.on(Hook::Breakaway) {
+            -(rise(ratio, self.at(Hook::Breakaway), self.at(Hook::BreakawayShape)) * ratio) + full
+        } else if self.on(Hook::FlowPower) {
+            -(ratio * ((ratio.abs() + 1e-12).ln() * (self.at(Hook::FlowPower) - 1.0)).exp()) + full
+        } else if self.on(Hook::Exponent) && ratio.re() < 1.0 {
+            ((-ratio + 1.0).ln() * self.at(Hook::Exponent)).exp()
+        } else {
+            -ratio + full
+        };
+        if rate.re() > 0.0 { rate } else { T::from(0.0) }
     }
 
     /// Whether the deflection after a stretch is a linear function of that before it.

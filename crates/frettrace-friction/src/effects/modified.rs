@@ -110,7 +110,7 @@ impl<T: Scalar> ModifiedLaw<T> {
         let pressed = if end.normal.re() > 0.0 { end.normal } else { T::from(0.0) };
         let mut ratio = b;
         if self.on(Hook::Sigma1) {
-            ratio += self.damping(b, velocity, friction());
+            ratio += self.damping(b, (velocity, pressed), friction());
         }
         let mut force = pressed * ratio;
         if self.on(Hook::Viscous) {
@@ -138,8 +138,8 @@ impl<T: Scalar> ModifiedLaw<T> {
         ((self.at(Hook::ViscousPower) - 1.0) * 0.5 * (x * x + 1e-6).ln()).exp()
     }
 
-    /// `σ1(v)·ż` with `ż = v·φ(r)`.
-    fn damping(&self, b: T, velocity: T, friction: T) -> T {
+    /// `σ1(v)·ż` with `ż = v·φ(r)`, of which a spring in series takes a part.
+    fn damping(&self, b: T, (velocity, normal): (T, T), friction: T) -> T {
         let ratio = b * sense(velocity) / friction;
         let rate = if self.on(Hook::Breakaway) {
             let rise = super::kernel::rise(ratio, self.at(Hook::Breakaway), self.at(Hook::BreakawayShape));
@@ -147,6 +147,8 @@ impl<T: Scalar> ModifiedLaw<T> {
         } else {
             -ratio + 1.0
         };
+        let given = self.at(Hook::Sigma0) * normal * self.at(Hook::SeriesCompliance);
+        let rate = if self.on(Hook::SeriesCompliance) { rate / (given * rate + 1.0) } else { rate };
         let mut sigma1 = self.at(Hook::Sigma1);
         if self.on(Hook::DampingVelocity) {
             let x = velocity / self.at(Hook::DampingVelocity);

@@ -93,6 +93,15 @@ fn neutral_shapes_change_nothing() {
         (vec![(Hook::Position, 0.4)], Hook::PositionScale, 1e6, 1e-9),
         (vec![(Hook::Viscous, 0.1), (Hook::ViscousReference, 2.0)], Hook::ViscousPower, 1.0, 1e-12),
         (vec![(Hook::Wear, 0.4)], Hook::WearExponent, 1.0, 1e-12),
+        (vec![(Hook::Wear, 0.4)], Hook::WearSettling, 0.0, 1e-12),
+        (vec![(Hook::Asymmetry, 0.2), (Hook::AsymmetryVelocity, 0.3)], Hook::AsymmetryPower, 2.0, 1e-6),
+        (vec![(Hook::Position, 0.4), (Hook::PositionScale, 0.2)], Hook::PositionPower, 2.0, 1e-6),
+        (
+            vec![(Hook::PeriodicCosine, 0.2), (Hook::PeriodicSine, 0.1), (Hook::PeriodicNumber, 9.0)],
+            Hook::PeriodicSharpness,
+            1e-6,
+            1e-9,
+        ),
         (
             vec![(Hook::StribeckRise, 0.2), (Hook::StribeckVelocity, 0.5), (Hook::LagTime, 0.05)],
             Hook::LagSaturation,
@@ -146,6 +155,31 @@ fn bounded_lag_falls_as_its_closed_form() {
     }
     let x = 1.0 - state.0[1];
     assert!((x.ln() + kappa * x - kappa + 0.6).abs() < 1e-5, "{x}");
+}
+
+/// Far below sliding a bristle and a spring in series are two springs, `u = F/(σ0 N) + cF`, whatever the normal force does meanwhile.
+/// The midpoint rule on 1024 steps of two periods is good to 1e-5.
+#[test]
+fn a_spring_in_series_carries_the_force() {
+    let (sigma0, compliance) = (3.0, 0.4);
+    let mut law: ModifiedLaw<f64> = ModifiedLaw::dahl(sigma0, 1e6);
+    law.set(Hook::SeriesCompliance, compliance);
+    let circumstance = Circumstance { preload: 1.0, ..Circumstance::default() };
+    let samples = 1024;
+    let at = |k: usize| {
+        let phase = 2.0 * std::f64::consts::TAU * k as f64 / samples as f64;
+        [0.2 * phase.sin(), 0.4 * std::f64::consts::TAU * phase.cos(), 1.0 + 0.5 * (0.5 * phase).sin()]
+    };
+    let mut state = law.rest_at(0.0);
+    for k in 0..samples {
+        let (from, to) = (at(k), at(k + 1));
+        let pair = |index: usize| [from[index], to[index]];
+        let step = Step { slip: pair(0), velocity: pair(1), normal: pair(2), dt: 1.0 / samples as f64 };
+        let (next, force) = law.advance(state, &step, &circumstance);
+        state = next;
+        let expected = to[0] / (1.0 / (sigma0 * to[2]) + compliance);
+        assert!((force - expected).abs() < 1e-5, "sample {k}: {force} against {expected}");
+    }
 }
 
 /// A hook at zero changes nothing.
@@ -293,6 +327,7 @@ impl Course {
             preload: 50.0,
             progress: 0.4,
             modulation: 3,
+            modulation_phase: 0.7,
         }
     }
 }
