@@ -58,6 +58,10 @@ const SILENT: f64 = 1e6;
 const MOST_LINES: usize = 160;
 /// Highest line of the excitation up to which a run may be periodic.
 const MOST_TRIED: usize = 400;
+/// What lies beside the lines over the noise from which lines above those of a model are looked for, and the least factor by which
+/// they must lessen it: four standard deviations of a level of 20 000 samples. What they are is compared with nothing, so that
+/// lines of mere noise do no harm.
+const ABOVE: f64 = 1.02;
 /// Lines of the excitation on which a subharmonic must show.
 const FEW_LINES: usize = 30;
 /// Factor on what lies beside the lines by which more lines must lessen it.
@@ -106,12 +110,14 @@ impl RunRecord {
             let ratio = worst_beside(&channels, noise);
             // A motion that has not settled is no subharmonic one because lines that lie closer hold more of it.
             let settled = subharmonic == 1 || ratio < BESIDE_LIMIT;
-            if best.as_ref().is_none_or(|old| settled && ratio < CLEARER * old.ratio) {
+            let more = |old: &Trial| subharmonic == old.subharmonic && ratio * ABOVE < old.ratio;
+            let clearer = |old: &Trial| ratio < CLEARER * old.ratio || ratio < BESIDE_LIMIT && more(old);
+            if best.as_ref().is_none_or(|old| settled && clearer(old)) {
                 *best = Some(Trial { subharmonic, channels, force, ratio });
             }
         };
         tried(&mut best, 1, MOST_LINES);
-        if open(best.as_ref()) && all > MOST_LINES {
+        if best.as_ref().is_none_or(|found| found.ratio > ABOVE) && all > MOST_LINES {
             tried(&mut best, 1, MOST_TRIED);
         }
         for subharmonic in 2..=5 {
@@ -240,6 +246,7 @@ impl RunRecord {
             force: force_lines(&force, order),
             acceleration,
             deviation,
+            base_phase: 0.0,
             known_force: Vec::new(),
             contact_order,
             samples: (8 * contact_order).next_power_of_two().clamp(128, 4096),

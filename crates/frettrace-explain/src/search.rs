@@ -1,7 +1,7 @@
 //! The search: the whole model for the few candidates that stand out on the recovered contacts or on the balance.
 
 use crate::contact_search::{ContactCandidate, within_reach};
-use crate::effects::ALL;
+use crate::effects::{ALL, Simpler};
 use crate::study::merge;
 use crate::{ExplainError, Fitted, Study, Unknown};
 use frettrace_forward::accelerations::{Quantity, Setting};
@@ -198,10 +198,47 @@ impl Study<'_> {
         Explained { effects, sensors, fitted, counts: Vec::new(), added, criterion, ratio, worst }
     }
 
+    /// A simpler effect in the place of the last one of a fitted model, with the whole model.
+    pub(crate) fn simpler(
+        &self,
+        from: &Explained,
+        richer: &Explained,
+        simpler: &Simpler,
+    ) -> Option<Explained> {
+        let effect = ALL.iter().position(|effect| effect.id() == simpler.id)?;
+        let mut setting = richer.fitted.setting.clone();
+        setting.law = simpler.law;
+        let mut brought = Vec::new();
+        for change in &simpler.changes {
+            setting.law.set(change.hook, change.start);
+            let quantity = Quantity::Law(change.hook);
+            brought.extend(change.parameter.clone().map(|parameter| Unknown { quantity, parameter }));
+        }
+        let unknowns = merge(&merge(&self.case.unknowns(), &from.added), &brought);
+        self.with_effect(from, setting, (effect, &unknowns), 30)
+    }
+
+    /// One effect more in a model, with the whole of it.
+    fn with_effect(
+        &self,
+        from: &Explained,
+        setting: Setting,
+        (effect, unknowns): (usize, &[Unknown]),
+        iterations: usize,
+    ) -> Option<Explained> {
+        let declared = merge(&self.case.unknowns(), &from.added);
+        let brought = unknowns.iter().filter(|u| declared.iter().all(|d| d.quantity != u.quantity)).cloned();
+        let added = from.added.iter().cloned().chain(brought).collect();
+        let effects = from.effects.iter().copied().chain([effect]).collect();
+        let mut found = self.whole(setting, unknowns, (effects, added), iterations).ok()?;
+        found.sensors = from.sensors.iter().copied().chain([None]).collect();
+        found.book(from);
+        Some(found)
+    }
+
     /// The best contact effects with the whole model, best first.
     pub(crate) fn contact_round(&self, from: &Explained, candidates: &[ContactCandidate]) -> Vec<Explained> {
         let declared = merge(&self.case.unknowns(), &from.added);
-        let known = |q: Quantity| declared.iter().any(|u| u.quantity == q);
         let structure: Vec<Unknown> =
             declared.iter().filter(|u| !matches!(u.quantity, Quantity::Law(_))).cloned().collect();
         let best = candidates.first().map_or(0.0, |c| c.criterion);
@@ -214,14 +251,7 @@ impl Study<'_> {
                 setting.law = candidate.law;
                 setting.modulation = candidate.modulation;
                 let unknowns = merge(&structure, &candidate.unknowns);
-                let brought = unknowns.iter().filter(|u| !known(u.quantity)).cloned();
-                let added = from.added.iter().cloned().chain(brought).collect();
-                let mut effects = from.effects.clone();
-                effects.push(candidate.effect);
-                let mut found = self.whole(setting, &unknowns, (effects, added), 15).ok()?;
-                found.sensors = from.sensors.iter().copied().chain([None]).collect();
-                found.book(from);
-                Some(found)
+                self.with_effect(from, setting, (candidate.effect, &unknowns), 15)
             })
             .collect();
         tried.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));

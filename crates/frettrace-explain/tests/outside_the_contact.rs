@@ -424,6 +424,32 @@ fn a_motion_without_a_period_is_no_drift() {
     assert!(faults.is_empty(), "{faults:?}");
 }
 
+/// A motion whose 165th line is as large as the noise is no less periodic than one without: models end at the 160th line, and what is
+/// above it is in no error.
+#[test]
+fn lines_above_those_of_a_model_are_in_no_error() {
+    let line = |h: f64, k: usize| (TAU * h * k as f64 / 400.0).cos();
+    // Bits mixed by a multiplication with the golden section.
+    let white = |k: usize| ((k as f64 + 1.0) * 0.618_033_988_749_894_9).fract() - 0.5;
+    let force: Vec<f64> = (0..8000).map(|k| line(1.0, k)).collect();
+    let channel = |k: usize| 10.0 * line(1.0, k) + NOISE * (line(165.0, k) + 12.0_f64.sqrt() * white(k));
+    let acceleration = [(0..8000).map(channel).collect()];
+    let run = RunSamples {
+        sampling_rate: RATE,
+        excitation_frequency: RATE / 400.0,
+        preload: 70.0,
+        force: &force,
+        acceleration: &acceleration,
+    };
+    let found = RunRecord::new(&run, Some(&[NOISE]), 0.0).unwrap();
+    assert!(found.periodic);
+    // √1.5 with it.
+    let left = found.beside[0].sqrt() / NOISE;
+    assert!((0.95..1.02).contains(&left), "{left}");
+    let share = found.untrusted / (0.5 * NOISE * NOISE / found.power[0]);
+    assert!((0.8..1.3).contains(&share), "{share}");
+}
+
 /// A free decay beside a line of 32.8 Hz: lines at the fifths of that, of which 6.56 Hz is near to its 6.9 Hz, hold most of it and leave
 /// more than the noise. It is a motion that has not settled, by a share of its power of 4e-5, and no subharmonic one.
 #[test]

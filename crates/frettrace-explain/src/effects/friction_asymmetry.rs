@@ -1,6 +1,6 @@
 //! `friction.asymmetry`.
 //!
-//! *Adds*: a friction coefficient that differs between the two directions, `μ(1 + a·sgn v)`.
+//! *Adds*: a friction coefficient that differs between the two directions, `μ(1 + a·sgn v)`, at once or going over with the velocity.
 //!
 //! *Shows as*: even harmonics of the force that appear with sliding.
 //!
@@ -32,12 +32,17 @@ impl Effect for FrictionAsymmetry {
     fn contact_forms(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
         let share = || Change::linear(Hook::Asymmetry, 0.02, 0.02, (-0.9, 0.9));
         let mut over = vec![share()];
-        over.extend(self.shape(scales));
+        over.push(turning(scales));
         vec![ContactForm::new(vec![share()]), ContactForm::new(over)]
     }
 
     /// Another laboratory's coefficient turns over smoothly with the velocity.
     fn shape(&self, scales: &Scales) -> Vec<Change> {
-        vec![Change::positive(Hook::AsymmetryVelocity, 0.05 * scales.velocity, 1e-3)]
+        vec![turning(scales), Change::between(Hook::AsymmetryPower, 2.0, (0.5, 8.0))]
     }
+}
+
+/// Velocity at which the coefficient goes over from one side to the other.
+fn turning(scales: &Scales) -> Change {
+    Change::positive(Hook::AsymmetryVelocity, 0.05 * scales.velocity, 1e-3)
 }

@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `friction.lag`, `friction.stribeck`; told apart by a pause before each run: a film that has collapsed gives the first cycles more friction.
 
-use super::{Change, ContactForm, Effect, EffectPlace};
+use super::{Change, ContactForm, Effect, EffectPlace, Reach, Simpler, forgets, known};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 
@@ -55,5 +55,83 @@ impl Effect for FrictionFilm {
             }
         }
         forms
+    }
+
+    /// Without its memory the film `h = 1 − w` is a Stribeck curve, `μ(1 − βh) = μ(1 − β) + μβw`.
+    fn simpler(&self, law: &ModifiedLaw<f64>) -> Vec<Simpler> {
+        let value = |hook| law.get(hook).unwrap_or_default();
+        let (mu, loss) = (value(Hook::MuKinetic), value(Hook::FilmLoss).clamp(1e-3, 0.95));
+        if known(law, &[Hook::StribeckRise]) {
+            return Vec::new();
+        }
+        // `1 − x^{2/3}` falls to 1/e at half the velocity of a whole film.
+        let (share, exponent) = law.get(Hook::FilmExponent).map_or((0.5, 0.8), |exponent| (1.0, exponent));
+        let mut law = *law;
+        OWN.iter().for_each(|&hook| law.clear(hook));
+        law.set(Hook::MuKinetic, mu * (1.0 - loss));
+        let changes = vec![
+            Change::positive(Hook::StribeckRise, mu * loss, 1e-3),
+            Change::positive(Hook::StribeckVelocity, share * value(Hook::FilmVelocity), 1e-3),
+            Change::between(Hook::StribeckExponent, exponent, (0.4, 6.0)),
+            Change::between(Hook::RationalShare, 0.5, (0.0, 1.0)),
+        ];
+        vec![Simpler { id: "friction.stribeck", law, changes }]
+    }
+
+    fn is_idle(&self, law: &ModifiedLaw<f64>, reach: Reach) -> bool {
+        forgets(law, &[Hook::FilmRise, Hook::FilmFall], reach.step)
+    }
+}
+
+/// What a film brings to a law.
+const OWN: [Hook; 6] = [
+    Hook::FilmLoss,
+    Hook::FilmVelocity,
+    Hook::FilmRise,
+    Hook::FilmFall,
+    Hook::FilmExponent,
+    Hook::FilmRational,
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use frettrace_friction::Step;
+    use frettrace_friction::effects::Circumstance;
+
+    /// Friction force at a steady speed, normal force 1: a way of 10⁴ times the presliding range from rest.
+    fn steady(law: &ModifiedLaw<f64>, speed: f64) -> f64 {
+        let circumstance = Circumstance { preload: 1.0, ..Circumstance::default() };
+        let (mut state, mut force) = (law.rest_at(0.0), 0.0);
+        for k in 0..1000 {
+            let slip = [k, k + 1].map(|k| 1e-3 * f64::from(k));
+            let step = Step { slip, velocity: [speed; 2], normal: [1.0; 2], dt: 1e-3 / speed };
+            (state, force) = law.advance(state, &step, &circumstance);
+        }
+        force
+    }
+
+    /// At steady speeds a film is the Stribeck curve that it stands for, when that is not blended yet.
+    #[test]
+    fn a_film_without_memory_is_a_stribeck_curve() {
+        let mut film = ModifiedLaw::dahl(1e5, 0.3);
+        let values = [
+            (Hook::FilmLoss, 0.4),
+            (Hook::FilmVelocity, 0.02),
+            (Hook::FilmRise, 1e-6),
+            (Hook::FilmExponent, 1.3),
+        ];
+        values.into_iter().for_each(|(hook, value)| film.set(hook, value));
+        let simpler = FrictionFilm.simpler(&film);
+        let [simpler] = &simpler[..] else { panic!("one curve") };
+        let mut curve = simpler.law;
+        simpler.changes.iter().for_each(|change| curve.set(change.hook, change.start));
+        curve.set(Hook::RationalShare, 0.0);
+        for speed in [2e-3, 0.02, 0.1] {
+            let [film, curve] = [&film, &curve].map(|law| steady(law, speed));
+            assert!((film - curve).abs() < 1e-8, "{speed}: {film} against {curve}");
+        }
+        let reach = |step| Reach { step, stroke: 1e-3 };
+        assert!(FrictionFilm.is_idle(&film, reach(1e-5)) && !FrictionFilm.is_idle(&film, reach(1e-7)));
     }
 }

@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `friction.film`, `friction.stribeck`; told apart by the same level at two excitation frequencies: the loop opens with frequency where friction lags.
 
-use super::{Change, ContactForm, Effect, EffectPlace, known};
+use super::{Change, ContactForm, Effect, EffectPlace, Reach, forgets, known};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 
@@ -48,5 +48,9 @@ impl Effect for FrictionLag {
             forms.push(ContactForm::new(vec![time]));
         }
         forms
+    }
+
+    fn is_idle(&self, law: &ModifiedLaw<f64>, reach: Reach) -> bool {
+        forgets(law, &[Hook::LagTime, Hook::SpeedLag, Hook::VelocityLag], reach.step)
     }
 }

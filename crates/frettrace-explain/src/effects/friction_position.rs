@@ -1,6 +1,6 @@
 //! `friction.position`.
 //!
-//! *Adds*: a friction coefficient that changes along the slip path, `μ(1 + p·u + q·u²)`.
+//! *Adds*: a friction coefficient that changes along the slip path, `μ(1 + p·u + q·u²)`, or ever less from the middle outwards.
 //!
 //! *Shows as*: friction that differs at the two ends of the stroke.
 //!
@@ -46,6 +46,13 @@ impl Effect for FrictionPosition {
                 Change::signed(Hook::PositionSquare, size / scales.slip),
                 Change::signed(Hook::PositionCube, size / scales.slip.powi(2)),
             ]),
+        ]
+    }
+    /// Another laboratory's change along the path ends in another way.
+    fn shape(&self, scales: &Scales) -> Vec<Change> {
+        vec![
+            Change::positive(Hook::PositionScale, 10.0 * scales.slip, 0.02),
+            Change::between(Hook::PositionPower, 2.0, (0.5, 8.0)),
         ]
     }
 }

@@ -1,12 +1,12 @@
 //! `friction.position-periodic`.
 //!
-//! *Adds*: a friction coefficient periodic in slip, `μ(1 + Σ_k c_k cos kqu + s_k sin kqu)`, up to the third harmonic where the data ask for it.
+//! *Adds*: a friction coefficient periodic in slip, `μ(1 + Σ_k c_k cos kqu + s_k sin kqu)`, up to the third harmonic and as sharp as a triangle where the data ask for it.
 //!
 //! *Shows as*: ripples of the sliding branches at fixed positions.
 //!
 //! *Mistaken for*: `friction.position`; told apart by strokes of several lengths over the same track: the wave length stays, the harmonics move.
 
-use super::{Change, ContactForm, Effect, EffectPlace};
+use super::{Change, ContactForm, Effect, EffectPlace, Reach, Simpler};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 
@@ -45,6 +45,85 @@ impl Effect for FrictionPositionPeriodic {
     fn shape(&self, _scales: &Scales) -> Vec<Change> {
         [Hook::PeriodicCosine2, Hook::PeriodicSine2, Hook::PeriodicCosine3, Hook::PeriodicSine3]
             .map(|hook| Change::linear(hook, 0.0, 0.05, (-0.9, 0.9)))
+            .into_iter()
+            .chain([Change::between(Hook::PeriodicSharpness, 0.3, (0.01, 0.999))])
+            .collect()
+    }
+
+    /// A part of a wave, `c cos qu + s sin qu`, is a change along the path: its series up to `(qu)³`, or a change that ends at `1/q`.
+    fn simpler(&self, law: &ModifiedLaw<f64>) -> Vec<Simpler> {
+        let value = |hook| law.get(hook).unwrap_or_default();
+        let [c, s, q] = [Hook::PeriodicCosine, Hook::PeriodicSine, Hook::PeriodicNumber].map(value);
+        let mean = (1.0 + c).max(0.1);
+        let mut plain = *law;
+        OWN.iter().for_each(|&hook| plain.clear(hook));
+        plain.set(Hook::MuKinetic, value(Hook::MuKinetic) * mean);
+        let signed = |hook, start: f64, size: f64| Change { start, ..Change::signed(hook, size) };
+        let slope = s * q / mean;
+        let along = signed(Hook::Position, slope, 0.1 * q);
+        let square = signed(Hook::PositionSquare, -0.5 * c * q * q / mean, 0.1 * q * q);
+        let cube = signed(Hook::PositionCube, -slope * q * q / 6.0, 0.1 * q.powi(3));
+        let ending = Change::positive(Hook::PositionScale, 1.0 / q, 0.02);
+        [vec![along.clone(), square, cube], vec![along, ending]]
+            .map(|changes| Simpler { id: "friction.position", law: plain, changes })
             .into()
+    }
+
+    /// Of a wave of which less than a whole one is travelled nobody has seen that it comes again.
+    fn is_idle(&self, law: &ModifiedLaw<f64>, reach: Reach) -> bool {
+        law.get(Hook::PeriodicNumber).is_some_and(|q| q * reach.stroke < std::f64::consts::TAU)
+    }
+}
+
+/// What a wave along the path brings to a law.
+const OWN: [Hook; 8] = [
+    Hook::PeriodicCosine,
+    Hook::PeriodicSine,
+    Hook::PeriodicNumber,
+    Hook::PeriodicCosine2,
+    Hook::PeriodicSine2,
+    Hook::PeriodicCosine3,
+    Hook::PeriodicSine3,
+    Hook::PeriodicSharpness,
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use frettrace_friction::Step;
+    use frettrace_friction::effects::Circumstance;
+
+    /// Sliding from the middle to a place, normal force 1, with a presliding range far below a wave.
+    fn sliding(law: &ModifiedLaw<f64>, place: f64) -> f64 {
+        let circumstance = Circumstance { preload: 1.0, ..Circumstance::default() };
+        let (mut state, mut force) = (law.rest_at(0.0), 0.0);
+        for k in 0..400 {
+            let slip = [k, k + 1].map(|k| place * f64::from(k) / 400.0);
+            let step = Step { slip, velocity: [place; 2], normal: [1.0; 2], dt: 1.0 / 400.0 };
+            (state, force) = law.advance(state, &step, &circumstance);
+        }
+        force
+    }
+
+    /// Near the middle a wave is its own series: at `qu = ±0.2` its next term is `μc(qu)⁴/24` = 4e-6. The change that ends is near only.
+    #[test]
+    fn a_part_of_a_wave_is_a_change_along_the_path() {
+        let q = 1e4;
+        let mut wave = ModifiedLaw::dahl(1e9, 0.3);
+        let values = [(Hook::PeriodicCosine, 0.2), (Hook::PeriodicSine, 0.3), (Hook::PeriodicNumber, q)];
+        values.into_iter().for_each(|(hook, value)| wave.set(hook, value));
+        let simpler = FrictionPositionPeriodic.simpler(&wave);
+        for (simpler, bound) in simpler.iter().zip([1e-5, 2e-3]) {
+            let mut plain = simpler.law;
+            simpler.changes.iter().for_each(|change| plain.set(change.hook, change.start));
+            for place in [-0.2, 0.2] {
+                let [wave, plain] = [&wave, &plain].map(|law| sliding(law, place / q));
+                assert!((wave - plain).abs() < bound, "{place}: {wave} against {plain}");
+            }
+        }
+        assert_eq!(simpler.len(), 2);
+        let reach = |waves| Reach { step: 1e-5, stroke: waves * std::f64::consts::TAU / q };
+        assert!(FrictionPositionPeriodic.is_idle(&wave, reach(0.9)));
+        assert!(!FrictionPositionPeriodic.is_idle(&wave, reach(1.1)));
     }
 }

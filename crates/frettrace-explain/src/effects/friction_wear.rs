@@ -1,6 +1,6 @@
 //! `friction.wear`.
 //!
-//! *Adds*: a friction coefficient that changes steadily from the first run to the last.
+//! *Adds*: a friction coefficient that changes from the first run to the last, steadily or ever more slowly.
 //!
 //! *Shows as*: a residual that grows from run to run, not with the level.
 //!
@@ -36,6 +36,14 @@ impl Effect for FrictionWear {
             ContactForm::new(vec![change()]),
             ContactForm::new(vec![change(), course(0.5)]),
             ContactForm::new(vec![change(), course(3.0)]),
+            ContactForm::new(vec![change(), Change::between(Hook::WearSettling, 3.0, (-6.0, 12.0))]),
+        ]
+    }
+
+    fn shape(&self, _scales: &Scales) -> Vec<Change> {
+        vec![
+            Change::between(Hook::WearExponent, 1.0, (0.1, 12.0)),
+            Change::linear(Hook::WearSettling, 0.0, 1.0, (-6.0, 12.0)),
         ]
     }
 }

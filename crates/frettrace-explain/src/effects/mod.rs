@@ -125,6 +125,25 @@ pub(crate) struct StructureForm {
     pub sensor: Option<usize>,
 }
 
+/// A simpler effect in the place of a richer one.
+pub(crate) struct Simpler {
+    /// Its id.
+    pub id: &'static str,
+    /// The law without the richer effect, with the values of its own that the simpler one asks for.
+    pub law: ModifiedLaw<f64>,
+    /// The simpler effect, from the values that come nearest to the richer one.
+    pub changes: Vec<Change>,
+}
+
+/// How finely and how far the runs go through what an effect may tell.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reach {
+    /// Shortest step of the phase grids (s).
+    pub step: f64,
+    /// Longest way from one end of the slip to the other (m).
+    pub stroke: f64,
+}
+
 /// A candidate effect.
 pub(crate) trait Effect: Sync {
     /// Its id in the contract's list.
@@ -149,6 +168,16 @@ pub(crate) trait Effect: Sync {
         Vec::new()
     }
 
+    /// Simpler effects that come near to this one as it was fitted: what it found is where they may begin.
+    fn simpler(&self, _law: &ModifiedLaw<f64>) -> Vec<Simpler> {
+        Vec::new()
+    }
+
+    /// Whether a fitted law has this effect without what tells it from the simpler ones that it contains.
+    fn is_idle(&self, _law: &ModifiedLaw<f64>, _reach: Reach) -> bool {
+        false
+    }
+
     /// Whether what it names is one formula: then what its forms leave is something else.
     fn is_exact(&self) -> bool {
         false
@@ -158,6 +187,12 @@ pub(crate) trait Effect: Sync {
     fn structure_forms(&self, _case: &Case, _setting: &Setting, _scales: &Scales) -> Vec<StructureForm> {
         Vec::new()
     }
+}
+
+/// Whether a law has memories of the motion, and all their times are below the step of the phase grid: none that could be seen.
+fn forgets(law: &ModifiedLaw<f64>, times: &[Hook], step: f64) -> bool {
+    let longest = times.iter().filter_map(|&hook| law.get(hook)).fold(0.0, f64::max);
+    longest > 0.0 && longest < step
 }
 
 /// Ids of all effects.

@@ -126,6 +126,9 @@ impl<'a> Found<'a> {
         let behind = weight(&other) - weight(&self);
         let explains = other.model.effects.len() == 1
             && (other.model.complete() || !self.model.complete() && other.model.sufficient(&other.baseline));
+        // An effect that the other one contains, and has nothing of its own beside, is it by another name.
+        let same = self.model.complete() && other.search.is_renamed(&other.model, &self.model);
+        let explains = explains && !same;
         let better = explains && behind + EVIDENCE < 0.0;
         let (mut chosen, other) = if better { (other, self) } else { (self, other) };
         if explains {

@@ -2,7 +2,7 @@
 
 use super::{BALANCE_CALIBRATED, EASED, EVIDENCE, FINER, NEAR, PROXY, Rival, Search, Tried};
 use crate::balance_fit::BalanceCandidate;
-use crate::effects::ALL;
+use crate::effects::{ALL, Reach, Simpler};
 use crate::search::Explained;
 use crate::study::merge;
 use crate::{ExplainError, Study, Unknown};
@@ -105,6 +105,15 @@ impl Search<'_> {
         found.sort_by(by_criterion);
         self.settle_close(&mut found);
         found.sort_by(by_criterion);
+        for one in self.simplified(current, &found) {
+            let same = found.iter().position(|other| other.effects == one.effects);
+            match same.map(|place| &mut found[place]) {
+                Some(other) if one.criterion < other.criterion => *other = one,
+                Some(_) => {}
+                None => found.push(one),
+            }
+        }
+        found.sort_by(by_criterion);
         for one in &found {
             let Some(&effect) = one.effects.last() else { continue };
             let error = self.study.error(&one.fitted, &self.study.training).relative();
@@ -118,19 +127,16 @@ impl Search<'_> {
         let best = *weights.first()?;
         // A richer effect that contains a simpler one must earn its name against it.
         let simpler = found.iter().zip(&weights).position(|(one, weight)| {
-            (*weight < best + EVIDENCE || self.forgets(&found[0]))
+            (*weight < best + EVIDENCE || self.is_idle(&found[0]))
                 && one.complete() == found[0].complete()
                 && one.effects.last().is_some_and(|&e| contained(found[0].effects.last(), e))
         });
         let chosen = simpler.unwrap_or(0);
-        // Without its memory a richer effect is the chosen one under another name, and no rival.
-        let name = found[chosen].effects.last().copied();
-        let same =
-            |one: &Explained| self.forgets(one) && name.is_some_and(|e| contained(one.effects.last(), e));
+        // What a richer effect has of its own, idle, makes it the chosen one under another name, and no rival.
         self.rivals = found
             .iter()
             .zip(&weights)
-            .filter(|(one, _)| !same(one))
+            .filter(|(one, _)| !self.is_renamed(one, &found[chosen]))
             .filter_map(|(one, weight)| {
                 let behind = weight - weights[chosen];
                 one.effects.last().map(|&effect| Rival { effect, behind, excess: one.excess() })
@@ -158,15 +164,32 @@ impl Search<'_> {
         one.criterion + self.study.foretold(&one.fitted)
     }
 
-    /// Whether the law has a memory of the motion and all its times are below the step of the phase grid: none that could be
-    /// seen.
-    fn forgets(&self, model: &Explained) -> bool {
-        let times = [Hook::LagTime, Hook::SpeedLag, Hook::VelocityLag, Hook::FilmRise, Hook::FilmFall];
-        let law = &model.fitted.setting.law;
-        let longest = times.iter().filter_map(|&hook| law.get(hook)).fold(0.0, f64::max);
+    /// Whether the last effect of a model is one that another, simpler one, would be too.
+    fn is_idle(&self, model: &Explained) -> bool {
         let runs = self.study.training.iter().map(|&run| &self.study.model.runs[run]);
         let step = runs.map(|run| std::f64::consts::TAU / run.omega / run.samples as f64);
-        longest > 0.0 && longest < step.fold(f64::INFINITY, f64::min)
+        let reach = Reach { step: step.fold(f64::INFINITY, f64::min), stroke: 2.0 * self.study.scales.slip };
+        model.effects.last().is_some_and(|&effect| ALL[effect].is_idle(&model.fitted.setting.law, reach))
+    }
+
+    /// Whether the last effect of `richer` is that of `simpler` by another name: it contains it, and has nothing of its own beside.
+    pub(super) fn is_renamed(&self, richer: &Explained, simpler: &Explained) -> bool {
+        self.is_idle(richer) && simpler.effects.last().is_some_and(|&e| contained(richer.effects.last(), e))
+    }
+
+    /// Simpler effects than the best model's last from where that one has come to, where they have not come as far themselves.
+    fn simplified(&self, current: &Explained, found: &[Explained]) -> Vec<Explained> {
+        let Some((best, &effect)) = found.first().and_then(|best| Some((best, best.effects.last()?))) else {
+            return Vec::new();
+        };
+        let behind = |id: &str| {
+            let own = found.iter().find(|one| one.effects.last().is_some_and(|&e| ALL[e].id() == id));
+            own.is_none_or(|own| !own.complete() && own.criterion > best.criterion + EVIDENCE)
+        };
+        let simpler = ALL[effect].simpler(&best.fitted.setting.law);
+        let wanted = simpler.into_iter().filter(|one| self.study.case.allows(one.id) && behind(one.id));
+        let wanted: Vec<Simpler> = wanted.collect();
+        wanted.par_iter().filter_map(|one| self.study.simpler(current, best, one)).collect()
     }
 
     /// Fits all that come near the best to their end: who is ahead halfway need not win. Where none is complete the finer grid is
@@ -385,11 +408,12 @@ fn contained(of: Option<&usize>, simpler: usize) -> bool {
 }
 
 /// Effects that contain others: a lag of no time is the curve it lags behind, and so on.
-const CONTAINED: [(&str, &str); 6] = [
+const CONTAINED: [(&str, &str); 7] = [
     ("friction.lag", "friction.stribeck"),
     ("friction.film", "friction.stribeck"),
     ("friction.film", "friction.lag"),
     ("friction.ageing", "friction.stribeck"),
     ("friction.presliding-damping", "friction.viscous"),
     ("structure.second-support", "structure.cubic-stiffness"),
+    ("friction.position-periodic", "friction.position"),
 ];

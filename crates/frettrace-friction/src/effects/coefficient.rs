@@ -1,6 +1,7 @@
 //! The friction coefficient of the modified law at one end of a stretch.
 
 use super::hooks::Hook;
+use super::kernel::decay_mean;
 use super::modified::{Circumstance, End, ModifiedLaw};
 use crate::bristle::{stribeck, stribeck_power};
 use crate::decay::decay;
@@ -10,6 +11,12 @@ use crate::lift::lift;
 /// Smallest share of the sliding coefficient that a modification may leave: a law whose forces carry no normal force has it in
 /// newtons, of any size.
 const LEAST_FRICTION: f64 = 1e-6;
+
+/// `value/(1 + x^p)^{1/p}`, `x ≥ 0`.
+fn ended<T: Scalar>(value: T, x: T, power: T) -> T {
+    let grown = (power * (x + 1e-9).ln()).exp();
+    value * (-(grown.ln_1p() / power)).exp()
+}
 
 impl<T: Scalar> ModifiedLaw<T> {
     /// Stribeck weight `w(x)`, `x = |v|/v_s`: 1 at rest, 0 at speed; `exp(−x^δ)`, of which a share may be `1/(1 + x^δ)`.
@@ -79,7 +86,12 @@ impl<T: Scalar> ModifiedLaw<T> {
             let mut turned = T::from(sign);
             if self.on(Hook::AsymmetryVelocity) {
                 let over = self.at(Hook::AsymmetryVelocity);
-                turned *= end.speed / (end.speed * end.speed + over * over).sqrt();
+                if self.on(Hook::AsymmetryPower) {
+                    let y = end.speed / over;
+                    turned *= ended(y, y, self.at(Hook::AsymmetryPower));
+                } else {
+                    turned *= end.speed / (end.speed * end.speed + over * over).sqrt();
+                }
             }
             mu *= self.at(Hook::Asymmetry) * turned + 1.0;
         }
@@ -91,6 +103,10 @@ impl<T: Scalar> ModifiedLaw<T> {
             let mut course = T::from(circumstance.progress);
             if self.on(Hook::WearExponent) && circumstance.progress > 0.0 {
                 course = (self.at(Hook::WearExponent) * circumstance.progress.ln()).exp();
+            }
+            if self.on(Hook::WearSettling) {
+                let rate = self.at(Hook::WearSettling);
+                course *= decay_mean(rate * course) / decay_mean(rate);
             }
             mu *= self.at(Hook::Wear) * course + 1.0;
         }
@@ -120,7 +136,11 @@ impl<T: Scalar> ModifiedLaw<T> {
             let mut along = slip;
             if self.on(Hook::PositionScale) {
                 let x = slip / self.at(Hook::PositionScale);
-                along = slip / (x * x + 1.0).sqrt();
+                along = if self.on(Hook::PositionPower) {
+                    ended(slip, x.abs(), self.at(Hook::PositionPower))
+                } else {
+                    slip / (x * x + 1.0).sqrt()
+                };
             }
             factor += self.at(Hook::Position) * along;
         }
@@ -132,7 +152,14 @@ impl<T: Scalar> ModifiedLaw<T> {
         }
         if self.on(Hook::PeriodicNumber) {
             let (sine, cosine) = (self.at(Hook::PeriodicNumber) * slip).sin_cos();
-            factor += self.at(Hook::PeriodicCosine) * cosine + self.at(Hook::PeriodicSine) * sine;
+            let [along, across] = [Hook::PeriodicCosine, Hook::PeriodicSine].map(|hook| self.at(hook));
+            let mut wave = along * cosine + across * sine;
+            let size = (along * along + across * across).sqrt();
+            if self.on(Hook::PeriodicSharpness) && size.re() > 0.0 {
+                let sharpness = self.at(Hook::PeriodicSharpness);
+                wave = size * (sharpness * wave / size).asin() / sharpness.asin();
+            }
+            factor += wave;
             if self.on(Hook::PeriodicSine2) {
                 let (sine2, cosine2) = (sine * cosine * 2.0, cosine * cosine * 2.0 - 1.0);
                 let (sine3, cosine3) = (sine2 * cosine + cosine2 * sine, cosine2 * cosine - sine2 * sine);

@@ -1,7 +1,7 @@
 //! The parameters of the modified law.
 
 /// Number of hooks.
-pub const HOOKS: usize = 57;
+pub const HOOKS: usize = 61;
 
 /// A parameter of [`ModifiedLaw`](super::ModifiedLaw): those of the declared laws first, then those of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -121,6 +121,14 @@ pub enum Hook {
     PeriodicCosine3,
     /// The same, sine share.
     PeriodicSine3,
+    /// Rate `κ` at which wear settles: `(1 − e^{−κx})/(1 − e^{−κ})` in place of its course `x`.
+    WearSettling,
+    /// Power `p` of the turn-over of an asymmetry, `y/(1 + y^p)^{1/p}` with `y = |v|/v_a`; 2 is the plain one.
+    AsymmetryPower,
+    /// Power `p` of the end of a change with slip, `u/(1 + |u/s|^p)^{1/p}`; 2 is the plain one.
+    PositionPower,
+    /// Sharpness `k` of the periodic change with slip, `asin(k w)/asin k` of its wave `w`: 0 leaves the wave, 1 is a triangle.
+    PeriodicSharpness,
 }
 
 impl Hook {
@@ -183,6 +191,10 @@ impl Hook {
         Self::PeriodicSine2,
         Self::PeriodicCosine3,
         Self::PeriodicSine3,
+        Self::WearSettling,
+        Self::AsymmetryPower,
+        Self::PositionPower,
+        Self::PeriodicSharpness,
     ];
 
     /// Value at which the hook adds nothing, where it measures the size of an effect; `None` for shapes, times and scales.
@@ -272,6 +284,10 @@ impl Hook {
             Self::NormalReference => ("normal_reference", "N"),
             Self::NormalCurvature => ("normal_curvature", "1"),
             Self::WearExponent => ("wear_exponent", "1"),
+            Self::WearSettling => ("wear_settling", "1"),
+            Self::AsymmetryPower => ("asymmetry_power", "1"),
+            Self::PositionPower => ("position_power", "1"),
+            Self::PeriodicSharpness => ("periodic_sharpness", "1"),
             Self::FilmExponent => ("film_exponent", "1"),
             Self::FilmRational => ("film_rational_share", "1"),
             Self::AgeingSaturation => ("ageing_saturation", "1"),
