@@ -41,7 +41,7 @@ const WORTH: f64 = 0.3;
 const EXCITER: f64 = 0.9;
 /// Share of a further force's χ² that may be left where it is told without the motion, …
 const DEAF: f64 = 0.05;
-/// … χ² a value that may be left in any case, …
+/// … χ² a value, over that of the balance beside the force, that may be left in any case, …
 const DEAF_NOISE: f64 = 1.5;
 /// … χ² over that of the best law of the motion, …
 const DEAF_RIVAL: f64 = 0.5;
@@ -79,8 +79,9 @@ impl Study<'_> {
     }
 
     /// Where an open balance is open: one more free value a line closes it best at one sensor, as a motion of the base, as a force
-    /// or a moment at the exciter, or as a force elsewhere on the beam. All have the same number of unknowns, so χ² alone decides.
-    pub(crate) fn open_place(&self, setting: &Setting) -> EffectPlace {
+    /// or a moment at the exciter, or as a force elsewhere on the beam. All have the same number of unknowns, so χ² alone decides;
+    /// with it the place is given.
+    pub(crate) fn open_place(&self, setting: &Setting) -> (EffectPlace, f64) {
         let sensors = self.case.rig.sensors.len();
         let mut plain = setting.clone();
         plain.ports.clear();
@@ -97,8 +98,8 @@ impl Study<'_> {
             let deaf = self.deaf(&plain, l).unwrap_or(false);
             (if deaf { EffectPlace::Excitation } else { EffectPlace::Structure }, l.chi)
         }));
-        let best = tried.iter().min_by(|a, b| a.1.total_cmp(&b.1));
-        best.map_or(EffectPlace::Structure, |(place, _)| *place)
+        let best = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        best.unwrap_or((EffectPlace::Structure, f64::INFINITY))
     }
 
     /// Whether a further force does not ask what the structure does: the same beside the excitation's phase in all runs, or in
@@ -128,7 +129,8 @@ impl Study<'_> {
         let all: f64 = histories.iter().map(History::chi).sum();
         let left = driven(&histories, &drives);
         let count: usize = histories.iter().map(History::count).sum();
-        let told = left < DEAF * all || left < DEAF_NOISE * count as f64;
+        // Where the balance beside the force is off by more than the noise, so is the force.
+        let told = left < DEAF * all || left < DEAF_NOISE * located.reduced().max(1.0) * count as f64;
         Some(told && left < DEAF_RIVAL * lawful)
     }
 

@@ -262,17 +262,18 @@ impl Search<'_> {
 
     /// Where structure effects start from: what was declared, or the model that already holds effects. A base fit of a law to
     /// an open balance bends the structure to what is missing.
-    pub(super) fn structural_start(&self, current: &Explained) -> Setting {
-        if current.effects.is_empty() {
-            let declared = self.study.case.setting(current.fitted.setting.law);
-            if !self.study.case.loosely_known() {
-                return declared;
-            }
-            let calibrated = self.study.balance_base(&declared, &[]);
-            if calibrated.reduced.is_finite() { calibrated.setting } else { declared }
-        } else {
-            current.fitted.setting.clone()
+    fn structural_start(&self, current: &Explained) -> Setting {
+        if current.effects.is_empty() { self.declared_start(current) } else { current.fitted.setting.clone() }
+    }
+
+    /// The declared structure, calibrated on the balance where it is only loosely known, with a model's law.
+    pub(super) fn declared_start(&self, model: &Explained) -> Setting {
+        let declared = self.study.case.setting(model.fitted.setting.law);
+        if !self.study.case.loosely_known() {
+            return declared;
         }
+        let calibrated = self.study.balance_base(&declared, &[]);
+        if calibrated.reduced.is_finite() { calibrated.setting } else { declared }
     }
 
     /// A structure effect where the balance is closed by what is usual, yet not by what the noise allows.
