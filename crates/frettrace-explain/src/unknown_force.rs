@@ -43,7 +43,7 @@ const EXCITER: f64 = 0.9;
 const DEAF: f64 = 0.05;
 /// … χ² a value, over that of the balance beside the force, that may be left in any case, …
 const DEAF_NOISE: f64 = 1.5;
-/// … χ² over that of the best law of the motion, …
+/// … what it leaves beside the noise over what the best law of the motion leaves, …
 const DEAF_RIVAL: f64 = 0.5;
 /// … and runs it takes to tell.
 const DEAF_RUNS: usize = 3;
@@ -131,7 +131,8 @@ impl Study<'_> {
         let count: usize = histories.iter().map(History::count).sum();
         // Where the balance beside the force is off by more than the noise, so is the force.
         let told = left < DEAF * all || left < DEAF_NOISE * located.reduced().max(1.0) * count as f64;
-        Some(told && left < DEAF_RIVAL * lawful)
+        let over = |chi: f64| (chi - count as f64).max(0.0);
+        Some(told && over(left) < DEAF_RIVAL * over(lawful))
     }
 
     /// χ² of the balance of the fitted runs with something free beside the contact force.
