@@ -206,7 +206,7 @@ impl Study<'_> {
     /// # Errors
     /// [`ExplainError::Model`] where the structure cannot be built.
     pub fn laws_on_contacts(&self, setting: &Setting) -> Result<Vec<ModifiedLaw<f64>>, ExplainError> {
-        let unknowns: Vec<Unknown> = self.case.unknowns().into_iter().filter(Unknown::is_of_law).collect();
+        let (unknowns, _) = Unknown::parted(&self.case.unknowns());
         let recovered = self.recovered(setting)?;
         let Some(base) = self.contact_base(&recovered, setting, &unknowns) else { return Ok(Vec::new()) };
         let fitted = Setting { law: base.law, ..setting.clone() };

@@ -21,6 +21,11 @@ impl Unknown {
     pub(crate) fn is_of_law(&self) -> bool {
         matches!(self.quantity, Quantity::Law(_))
     }
+
+    /// Those that are values of the contact's law, and the others.
+    pub(crate) fn parted(all: &[Self]) -> (Vec<Self>, Vec<Self>) {
+        all.iter().cloned().partition(Self::is_of_law)
+    }
 }
 
 /// The acceleration-level model of selected runs as a least-squares problem: residuals are measured minus predicted

@@ -122,7 +122,7 @@ impl Search<'_> {
         if open <= BALANCE_CALIBRATED {
             return;
         }
-        let structural: Vec<Unknown> = current.added.iter().filter(|u| !u.is_of_law()).cloned().collect();
+        let (_, structural) = Unknown::parted(&current.added);
         let calibrated = self.study.balance_base(setting, &structural);
         if self.closed(&calibrated.setting) && self.study.balance_reduced(&calibrated.setting).0 < open {
             current.fitted.setting = calibrated.setting;

@@ -14,7 +14,7 @@ impl Search<'_> {
     /// The declared model: the law on the recovered contacts, then the whole.
     pub(super) fn baseline(&mut self, mut setting: Setting) -> Result<Explained, ExplainError> {
         let unknowns = self.study.case.unknowns();
-        let law: Vec<Unknown> = unknowns.iter().filter(|u| u.is_of_law()).cloned().collect();
+        let (law, _) = Unknown::parted(&unknowns);
         if self.study.case.loosely_known() || self.study.balance_reduced(&setting).0 > BALANCE_CALIBRATED {
             // Modes that are known loosely, beside the noise, are calibrated on the balance before any force is recovered.
             let calibrated = self.study.balance_base(&setting, &[]);

@@ -20,7 +20,7 @@ impl Search<'_> {
     /// have come to rest in another valley, and an effect may not be named for that.
     pub(super) fn restarted(&self, current: &Explained) -> Option<Explained> {
         let unknowns = merge(&self.study.case.unknowns(), &current.added);
-        let law: Vec<Unknown> = unknowns.iter().filter(|u| u.is_of_law()).cloned().collect();
+        let (law, _) = Unknown::parted(&unknowns);
         let mut setting = current.fitted.setting.clone();
         if !self.closed(&setting) {
             return None;
@@ -37,7 +37,7 @@ impl Search<'_> {
 
     fn contact_round(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {
         let unknowns = merge(&self.study.case.unknowns(), &current.added);
-        let law: Vec<Unknown> = unknowns.iter().filter(|u| u.is_of_law()).cloned().collect();
+        let (law, _) = Unknown::parted(&unknowns);
         let mut setting = current.fitted.setting.clone();
         let recovered = self.study.recovered(&setting)?;
         // A fit of the whole rig that lacks an effect may have driven the law away from what the contact shows.
@@ -345,7 +345,7 @@ impl Search<'_> {
         current: &Explained,
         limit: f64,
     ) -> Result<Option<Explained>, ExplainError> {
-        let structural: Vec<Unknown> = current.added.iter().filter(|u| !u.is_of_law()).cloned().collect();
+        let (_, structural) = Unknown::parted(&current.added);
         let setting = self.structural_start(current);
         let plain = self.study.balance_base(&setting, &structural);
         let mut candidates = self.study.balance_candidates(&setting, &structural, &current.effects);
@@ -388,7 +388,7 @@ impl Search<'_> {
         let brought: Vec<Unknown> = own.filter(|u| !declared.contains(u)).cloned().collect();
         let added = merge(&current.added, &brought);
         let unknowns = merge(&declared, &added);
-        let law: Vec<Unknown> = unknowns.iter().filter(|u| u.is_of_law()).cloned().collect();
+        let (law, _) = Unknown::parted(&unknowns);
         let mut setting = candidate.setting.clone();
         let recovered = self.study.recovered(&setting)?;
         if let Some(base) = self.study.contact_base(&recovered, &setting, &law) {

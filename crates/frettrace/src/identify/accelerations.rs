@@ -156,12 +156,8 @@ fn one_law(
     conditions: &[Condition],
 ) -> Result<Joint, StudyError> {
     // Where the contact sticks a recovered slip is noise: a law without memory starts from what slides.
-    let leading = if start.family.is_static() {
-        std::iter::once(own.law).chain(study.laws_on_contacts(&own)?).collect()
-    } else {
-        Vec::new()
-    };
-    let laws = leading.into_iter().chain(start.settings.iter().map(|s| s.law));
+    let own_first = start.family.is_static().then_some(own.law);
+    let laws = own_first.into_iter().chain(start.settings.iter().map(|s| s.law));
     let settings: Vec<Setting> = laws.map(|law| Setting { law, ..own.clone() }).collect();
     let found = joint::fit(&mut study, &settings, fitted)?;
     let judgement = judged::judged(&study, &found, conditions)?;

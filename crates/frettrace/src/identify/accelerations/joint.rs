@@ -235,8 +235,12 @@ fn fit_training(study: &mut Study<'_>, starts: &[Setting]) -> Result<Fitted, Stu
     if first.as_ref().is_ok_and(|f| f.fit.data_cost < enough) {
         return Ok(first?);
     }
-    let softer = if starts[0].holds_rigidly() { Vec::new() } else { softer(&starts[0]) };
-    let others = [&starts[1..], &softer, &around(&starts[0], &unknowns)].concat();
+    let rigid = starts[0].holds_rigidly();
+    let on_contacts = if rigid { study.laws_on_contacts(&starts[0])? } else { Vec::new() };
+    let on_contacts: Vec<Setting> =
+        on_contacts.into_iter().map(|law| Setting { law, ..starts[0].clone() }).collect();
+    let softer = if rigid { Vec::new() } else { softer(&starts[0]) };
+    let others = [&on_contacts, &starts[1..], &softer, &around(&starts[0], &unknowns)].concat();
     let mut best = first;
     for few in others.chunks(TOGETHER).take(ROUNDS) {
         let Some(start) = smoothed(study, few, &unknowns).into_iter().next() else { continue };
