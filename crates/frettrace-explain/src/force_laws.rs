@@ -66,6 +66,15 @@ pub(crate) fn shapes(place: PortPlace) -> Vec<Shape> {
     }
 }
 
+/// Laws without a name, for the question whether a force answers to the motion at all: any smooth spring, and a spring and a damper
+/// with their powers.
+pub(crate) fn nameless() -> [Shape; 2] {
+    [PortLaw::Stiffening, PortLaw::Polynomial].map(|law| {
+        let all = &[0, 1, 2, 3];
+        Shape { id: "", law, free: all, linear: all, side: 0.0 }
+    })
+}
+
 /// Name and unit of each coefficient of a law; modal ones act on a coordinate in m·√kg.
 pub(crate) fn names(law: PortLaw, modal: bool) -> [(&'static str, &'static str); COEFFICIENTS] {
     match (law, modal) {

@@ -5,7 +5,9 @@
 
 use crate::balance_fit::BalanceCandidate;
 use crate::effects::{ALL, EffectPlace, FREE, StructureForm};
-use crate::force_laws::{Answer, History, driven, linear, names, range, regress, shapes, thresholds};
+use crate::force_laws::{
+    Answer, History, driven, linear, nameless, names, range, regress, shapes, thresholds,
+};
 use crate::{Study, Unknown, signed};
 use frettrace_forward::accelerations::{Balance, Beside, Port, PortLaw, PortPlace, Quantity, Setting};
 use num_complex::Complex64;
@@ -39,16 +41,48 @@ const MODES: usize = 6;
 const WORTH: f64 = 0.3;
 /// The exciter's own place competes with any other by its χ² times this: a refined place is always a little better.
 const EXCITER: f64 = 0.9;
-/// Share of a further force's χ² that may be left where it is told without the motion, …
+/// Share of a further force's χ² that may be left where it is told by the excitation or by the motion, …
 const DEAF: f64 = 0.05;
 /// … χ² a value, over that of the balance beside the force, that may be left in any case, …
 const DEAF_NOISE: f64 = 1.5;
-/// … what it leaves beside the noise over what the best law of the motion leaves, …
+/// … what that leaves beside the noise over what the other of the two leaves, …
 const DEAF_RIVAL: f64 = 0.5;
 /// … and runs it takes to tell.
 const DEAF_RUNS: usize = 3;
 /// Places are of equal standing within this factor of the best.
 const NEAR: f64 = 1.3;
+
+/// χ² of a recovered force.
+struct Asks {
+    /// All of it, …
+    all: f64,
+    /// … what is left where it is the same beside the excitation's phase in all runs, or in proportion to the excitation, …
+    driven: f64,
+    /// … and what is left of the best law of the motion.
+    lawful: f64,
+    /// Real values that these are sums over.
+    count: f64,
+    /// χ² per degree of freedom of the balance beside the force: where that is off by more than the noise, so is the force.
+    reduced: f64,
+}
+
+impl Asks {
+    fn told(&self, left: f64, other: f64) -> bool {
+        let over = |chi: f64| (chi - self.count).max(0.0);
+        let told = left < DEAF * self.all || left < DEAF_NOISE * self.reduced * self.count;
+        told && over(left) < DEAF_RIVAL * over(other)
+    }
+
+    /// Whether it does not ask what the structure does: no law of motion describes it as well as the excitation.
+    fn excitation(&self) -> bool {
+        self.told(self.driven, self.lawful)
+    }
+
+    /// Whether a law of the motion describes it, and the excitation far worse.
+    fn motion(&self) -> bool {
+        self.told(self.lawful, self.driven)
+    }
+}
 
 impl Study<'_> {
     fn located_at(&self, setting: &Setting, place: PortPlace) -> Option<Located> {
@@ -92,19 +126,21 @@ impl Study<'_> {
             .collect();
         let exciter = self.case.rig.exciter;
         for place in [PortPlace::At(exciter), PortPlace::Turn(exciter)] {
-            tried.extend(self.located_at(&plain, place).map(|l| (EffectPlace::Excitation, EXCITER * l.chi)));
+            tried.extend(self.located_at(&plain, place).map(|l| {
+                let lawful = self.asks(&plain, &l).is_some_and(|asks| asks.motion());
+                (if lawful { EffectPlace::Structure } else { EffectPlace::Excitation }, EXCITER * l.chi)
+            }));
         }
         tried.extend(self.locate(&plain).first().map(|l| {
-            let deaf = self.deaf(&plain, l).unwrap_or(false);
+            let deaf = self.asks(&plain, l).is_some_and(|asks| asks.excitation());
             (if deaf { EffectPlace::Excitation } else { EffectPlace::Structure }, l.chi)
         }));
         let best = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
         best.unwrap_or((EffectPlace::Structure, f64::INFINITY))
     }
 
-    /// Whether a further force does not ask what the structure does: the same beside the excitation's phase in all runs, or in
-    /// proportion to the excitation, where no law of motion describes it as well.
-    fn deaf(&self, setting: &Setting, located: &Located) -> Option<bool> {
+    /// What a further force asks for: the excitation, or the motion where it acts.
+    fn asks(&self, setting: &Setting, located: &Located) -> Option<Asks> {
         let harmonic: Vec<usize> =
             self.training.iter().copied().filter(|&run| self.case.records[run].subharmonic == 1).collect();
         let single = with_only(setting, located.place);
@@ -121,18 +157,19 @@ impl Study<'_> {
         let drives: Vec<Complex64> = harmonic.iter().map(|&run| self.model.runs[run].force[1]).collect();
         let lawful = shapes(located.place)
             .iter()
+            .chain(&nameless())
             .filter_map(|shape| regress(&histories, shape))
             .map(|answer| answer.chi)
             // A spring or a mass of the structure, too much of it or too little.
             .chain([linear(&histories), linear(&inertial)])
             .fold(f64::INFINITY, f64::min);
-        let all: f64 = histories.iter().map(History::chi).sum();
-        let left = driven(&histories, &drives);
-        let count: usize = histories.iter().map(History::count).sum();
-        // Where the balance beside the force is off by more than the noise, so is the force.
-        let told = left < DEAF * all || left < DEAF_NOISE * located.reduced().max(1.0) * count as f64;
-        let over = |chi: f64| (chi - count as f64).max(0.0);
-        Some(told && over(left) < DEAF_RIVAL * over(lawful))
+        Some(Asks {
+            all: histories.iter().map(History::chi).sum(),
+            driven: driven(&histories, &drives),
+            lawful,
+            count: histories.iter().map(History::count).sum::<usize>() as f64,
+            reduced: located.reduced().max(1.0),
+        })
     }
 
     /// χ² of the balance of the fitted runs with something free beside the contact force.

@@ -210,7 +210,8 @@ impl Search<'_> {
         }
         // Effects that are not named may have bent the structure to what is missing.
         let declared = self.declared_start(&model);
-        let starts = std::iter::once(declared).chain((!model.effects.is_empty()).then_some(model.fitted.setting));
+        let starts =
+            std::iter::once(declared).chain((!model.effects.is_empty()).then_some(model.fitted.setting));
         let places = starts.map(|setting| self.study.open_place(&setting));
         places.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(EffectPlace::Structure, |(place, _)| place)
     }
