@@ -25,7 +25,7 @@ const REST: f64 = 0.01;
 /// Error over noise of every training run up to which a name may stand where the formula differs, …
 pub(crate) const OTHER_FORMULA: f64 = 3.0;
 /// … the share of the declared model's excess that may be left then, …
-const DOMINANT: f64 = 1e-3;
+pub(crate) const DOMINANT: f64 = 1e-3;
 /// … and the factor by which rivals must leave more.
 const RIVALS: f64 = 10.0;
 

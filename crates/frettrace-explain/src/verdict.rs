@@ -40,6 +40,9 @@ const RIGID_ACCURACY: f64 = 2e-4;
 const SERIES_OPEN: f64 = 0.05;
 /// Error over noise up to which runs that nothing was fitted to bear out that nothing is missing.
 const BORNE_OUT: f64 = 1.2;
+/// Error over noise of runs held out from which they contradict a model that follows those it was fitted to: what its values are
+/// uncertain by adds some per cent.
+const CONTRADICTED: f64 = 1.1;
 /// Improvement on held-out runs that a claim needs, in standard errors.
 const HELD_OUT: f64 = 2.5;
 /// Share of their excess over the noise that a claim may leave there: more than half of it must go.

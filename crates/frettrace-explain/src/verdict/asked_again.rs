@@ -5,14 +5,11 @@
 //! leaves nothing. Then the search is made again without that name, and what explains better stands.
 
 use super::outcome::Outcome;
-use super::{EVIDENCE, NEAR, Rival, Search};
+use super::{CONTRADICTED, EVIDENCE, NEAR, Rival, Search};
 use crate::effects::ALL;
 use crate::search::Explained;
 use crate::{Case, ExplainError, Split, Study};
 
-/// Error over noise of runs held out from which they contradict a model that follows those it was fitted to: what its values are
-/// uncertain by adds some per cent.
-const CONTRADICTED: f64 = 1.1;
 /// Growth of the error from fitted runs to those held out from which what is lacking lies in these.
 const OVERTAKEN: f64 = 2.0;
 /// Error over noise from which a name leaves more than the noise in the runs it was fitted to, …

@@ -1,8 +1,8 @@
 //! What is said in the end: verdict, names, place, errors and what a reader must know.
 
-use super::{BORNE_OUT, EVIDENCE, HELD_OUT, HELD_OUT_SHARE, RIGID_ACCURACY, Rival, Search, by_method};
+use super::{BORNE_OUT, CONTRADICTED, EVIDENCE, HELD_OUT, HELD_OUT_SHARE, RIGID_ACCURACY, Rival, Search, by_method};
 use crate::effects::{ALL, EffectPlace};
-use crate::search::{Explained, OTHER_FORMULA};
+use crate::search::{DOMINANT, Explained, OTHER_FORMULA};
 use crate::study::as_declared;
 use crate::{ChannelFault, RunError};
 use frettrace_forward::accelerations::Quantity;
@@ -147,8 +147,13 @@ impl Search<'_> {
             .push(format!("held-out runs improve by {found:.1} standard errors; a claim needs {HELD_OUT}"));
         let [before, after] = [baseline, model].map(|of| self.study.error(&of.fitted, held_out).ratio());
         let excess = |ratio: f64| (ratio * ratio - 1.0).max(0.0);
-        // Where the formula is another one, these runs must be as near as those that were fitted.
-        let near = !self.other_formula || after <= OTHER_FORMULA;
+        // Where the formula is another one, these runs must be as near as those that were fitted. Any other name is contradicted where
+        // it follows those and misses these, unless it took all but a trace of what was missing in them.
+        let near = if self.other_formula {
+            after <= OTHER_FORMULA
+        } else {
+            after <= CONTRADICTED || excess(after) <= DOMINANT * excess(before)
+        };
         found > HELD_OUT && near && excess(after) <= HELD_OUT_SHARE * excess(before)
     }
 
