@@ -1,6 +1,6 @@
 //! Runs with the lines of the motion taken out.
 
-use super::{Channels, mean_square};
+use super::{Channels, LOUD, mean_square};
 use crate::RunSamples;
 use frettrace_fourier::{Lines, Projector, refine};
 use std::f64::consts::TAU;
@@ -20,6 +20,15 @@ pub(super) struct Bare<'a> {
     pub(super) variance: Vec<f64>,
     /// Coefficients of the drift, `[sensor]`.
     pub(super) drift: Vec<Vec<f64>>,
+}
+
+impl Bare<'_> {
+    /// Whether most channels hold no more than noise beside lines and drift: a motion without a period is heard by all.
+    pub(super) fn is_steady(&self) -> bool {
+        let quiet = (self.residual.iter().zip(&self.variance))
+            .filter(|(residual, variance)| mean_square(residual.iter().copied()) <= LOUD * LOUD * **variance);
+        2 * quiet.count() > self.residual.len()
+    }
 }
 
 /// All runs without their lines and without their drift; `None` where one of them cannot be projected.

@@ -4,7 +4,7 @@
 //! record, whose mean square is `Σ c_k²/(2k + 1)`.
 
 use super::bare::{Bare, bare};
-use super::{ChannelFault, Channels, HEARD, HEARD_IN_A_RUN, LOUD, mean_square};
+use super::{ChannelFault, Channels, HEARD, HEARD_IN_A_RUN};
 use crate::RunSamples;
 
 /// Finds drifts and takes them out; their means are left to whoever looks for offsets. What most channels have, two of
@@ -17,7 +17,7 @@ pub(super) fn find(
 ) -> Vec<ChannelFault> {
     let Some(bare) = bare(runs, noise, channels) else { return Vec::new() };
     let (places, bare): (Vec<usize>, Vec<Bare<'_>>) =
-        bare.into_iter().enumerate().filter(|(_, one)| is_steady(one)).unzip();
+        bare.into_iter().enumerate().filter(|(_, one)| one.is_steady()).unzip();
     let sensors = bare.first().map_or(0, |b| b.drift.len());
     let heard: Vec<Heard> = (0..sensors).map(|sensor| Heard::of(&bare, sensor)).collect();
     let loud = |(_, heard): &(usize, &Heard)| heard.sure && heard.loud && 2 * heard.runs > bare.len();
@@ -38,16 +38,6 @@ pub(super) fn find(
         }
     }
     found
-}
-
-/// Whether most channels of a run hold no more than noise beside lines and drift.
-fn is_steady(one: &Bare<'_>) -> bool {
-    let quiet = one
-        .residual
-        .iter()
-        .zip(&one.variance)
-        .filter(|(residual, variance)| mean_square(residual.iter().copied()) <= LOUD * LOUD * **variance);
-    2 * quiet.count() > one.residual.len()
 }
 
 /// The drift of one channel in all runs.

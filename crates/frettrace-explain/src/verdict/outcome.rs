@@ -1,6 +1,8 @@
 //! What is said in the end: verdict, names, place, errors and what a reader must know.
 
-use super::{BORNE_OUT, CONTRADICTED, EVIDENCE, HELD_OUT, HELD_OUT_SHARE, RIGID_ACCURACY, Rival, Search, by_method};
+use super::{
+    BORNE_OUT, CONTRADICTED, EVIDENCE, HELD_OUT, HELD_OUT_SHARE, RIGID_ACCURACY, Rival, Search, by_method,
+};
 use crate::effects::{ALL, EffectPlace};
 use crate::search::{DOMINANT, Explained, OTHER_FORMULA};
 use crate::study::as_declared;
