@@ -332,3 +332,21 @@ fn with_only(setting: &Setting, place: PortPlace) -> Setting {
     setting.ports = vec![Port { place, law: PortLaw::Polynomial, coefficients: [0.0; 4] }];
     setting
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Asks;
+
+    /// χ² of the forces recovered on three simulated rigs: a second exciter (weak beside the noise), a spring that answers to the square
+    /// of the displacement, and the same where the balance is off by more than the noise and neither tells the force.
+    #[test]
+    fn a_force_asks_for_the_excitation_or_for_the_motion() {
+        let asked = |[all, driven, lawful, count, reduced]: [f64; 5]| {
+            let asks = Asks { all, driven, lawful, count, reduced };
+            (asks.excitation(), asks.motion())
+        };
+        assert_eq!(asked([774.4, 415.7, 762.7, 308.0, 1.0]), (true, false));
+        assert_eq!(asked([25_782.3, 692.4, 271.4, 332.0, 1.024]), (false, true));
+        assert_eq!(asked([46_302.4, 2771.9, 3152.5, 332.0, 1.299]), (false, false));
+    }
+}

@@ -148,14 +148,8 @@ impl Search<'_> {
         self.notes
             .push(format!("held-out runs improve by {found:.1} standard errors; a claim needs {HELD_OUT}"));
         let [before, after] = [baseline, model].map(|of| self.study.error(&of.fitted, held_out).ratio());
-        let excess = |ratio: f64| (ratio * ratio - 1.0).max(0.0);
-        // Where the formula is another one, these runs must be as near as those that were fitted. Any other name is contradicted where
-        // it follows those and misses these, unless it took all but a trace of what was missing in them.
-        let near = if self.other_formula {
-            after <= OTHER_FORMULA
-        } else {
-            after <= CONTRADICTED || excess(after) <= DOMINANT * excess(before)
-        };
+        // Where the formula is another one, these runs must be as near as those that were fitted.
+        let near = if self.other_formula { after <= OTHER_FORMULA } else { is_followed(before, after) };
         found > HELD_OUT && near && excess(after) <= HELD_OUT_SHARE * excess(before)
     }
 
@@ -254,6 +248,17 @@ impl Search<'_> {
     }
 }
 
+/// What an error over the noise holds beside it, as a share of the noise's power.
+fn excess(ratio: f64) -> f64 {
+    (ratio * ratio - 1.0).max(0.0)
+}
+
+/// Whether a name, whose model follows the runs that it was fitted to, is not contradicted by those held out: their error over the noise
+/// before and after. It may miss them where it took all but a trace of what was missing in them.
+fn is_followed(before: f64, after: f64) -> bool {
+    after <= CONTRADICTED || excess(after) <= DOMINANT * excess(before)
+}
+
 /// A fault of a channel as a named effect: it was seen in the samples themselves.
 fn faulty(fault: &ChannelFault) -> Named {
     let effect = ALL.iter().find(|e| e.id() == fault.id);
@@ -299,4 +304,19 @@ fn parameters(model: &Explained, place: usize) -> Vec<(String, String, f64, f64)
             Some((u.parameter.name.clone(), u.parameter.unit.clone(), value, std))
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_followed;
+
+    /// Held-out errors over the noise of simulated rigs: quadratic damping, taken from the list, leaves viscous friction as what is
+    /// nearest to it (two rigs); presliding damping and asymmetry with another formula are what acts.
+    #[test]
+    fn a_name_that_misses_held_out_runs_took_all_but_a_trace() {
+        assert!(!is_followed(8.154, 1.149));
+        assert!(!is_followed(19.615, 1.290));
+        assert!(is_followed(271.654, 1.145));
+        assert!(is_followed(65.799, 1.058));
+    }
 }
