@@ -215,7 +215,7 @@ impl<'a> Study<'a> {
         self.residuals_of(&self.training)
     }
 
-    fn residuals_of(&self, runs: &[usize]) -> usize {
+    pub(crate) fn residuals_of(&self, runs: &[usize]) -> usize {
         let of_run = |&run: &usize| {
             let lines = &self.model.runs[run];
             2 * lines.acceleration.len() * lines.acceleration.first().map_or(0, Vec::len)

@@ -114,7 +114,7 @@ impl Study<'_> {
 
     /// Where an open balance is open: one more free value a line closes it best at one sensor, as a motion of the base, as a force
     /// or a moment at the exciter, or as a force elsewhere on the beam. All have the same number of unknowns, so χ² alone decides;
-    /// with it the place is given.
+    /// that over its degrees of freedom is given with the place.
     pub(crate) fn open_place(&self, setting: &Setting) -> (EffectPlace, f64) {
         let sensors = self.case.rig.sensors.len();
         let mut plain = setting.clone();
@@ -136,7 +136,10 @@ impl Study<'_> {
             (if deaf { EffectPlace::Excitation } else { EffectPlace::Structure }, l.chi)
         }));
         let best = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
-        best.unwrap_or((EffectPlace::Structure, f64::INFINITY))
+        let freedom = self.residuals_of(&self.training) * sensors.saturating_sub(2) / sensors.max(1);
+        best.map_or((EffectPlace::Structure, f64::INFINITY), |(place, chi)| {
+            (place, chi / freedom.max(1) as f64)
+        })
     }
 
     /// What a further force asks for: the excitation, or the motion where it acts.
