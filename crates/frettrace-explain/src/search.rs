@@ -60,7 +60,7 @@ impl Explained {
 
     /// What the error holds beside the noise, as a share of the noise's power.
     pub(crate) fn excess(&self) -> f64 {
-        (self.ratio * self.ratio - 1.0).max(0.0)
+        excess(self.ratio)
     }
 
     /// The unknowns that the effect of the given place in the list brought.
@@ -101,6 +101,11 @@ impl Explained {
     pub fn complete(&self) -> bool {
         self.ratio <= COMPLETE && self.worst <= COMPLETE_RUN
     }
+}
+
+/// What an error over the noise holds beside it, as a share of the noise's power.
+pub(crate) fn excess(ratio: f64) -> f64 {
+    (ratio * ratio - 1.0).max(0.0)
 }
 
 impl Study<'_> {

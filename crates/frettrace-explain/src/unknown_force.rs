@@ -84,6 +84,16 @@ impl Asks {
     }
 }
 
+/// What may close an open balance.
+enum Source {
+    /// A sensor, or a motion of the base: the place is told by itself.
+    Of(EffectPlace),
+    /// A force or a moment at the exciter.
+    Exciter(Located),
+    /// A force elsewhere.
+    Elsewhere(Located),
+}
+
 impl Study<'_> {
     fn located_at(&self, setting: &Setting, place: PortPlace) -> Option<Located> {
         let single = with_only(setting, place);
@@ -119,27 +129,36 @@ impl Study<'_> {
         let sensors = self.case.rig.sensors.len();
         let mut plain = setting.clone();
         plain.ports.clear();
-        let mut tried: Vec<(EffectPlace, f64)> = (0..sensors)
-            .map(|s| (EffectPlace::Measurement, Beside::Sensor(s)))
-            .chain([(EffectPlace::Excitation, Beside::Base)])
-            .map(|(place, beside)| (place, self.chi_beside(&plain, beside)))
-            .collect();
+        let beside = |place, beside| (Source::Of(place), self.chi_beside(&plain, beside));
+        let sensed = (0..sensors).map(|s| beside(EffectPlace::Measurement, Beside::Sensor(s)));
+        let mut tried: Vec<(Source, f64)> = sensed.collect();
+        tried.push(beside(EffectPlace::Excitation, Beside::Base));
         let exciter = self.case.rig.exciter;
         for place in [PortPlace::At(exciter), PortPlace::Turn(exciter)] {
-            tried.extend(self.located_at(&plain, place).map(|l| {
-                let lawful = self.asks(&plain, &l).is_some_and(|asks| asks.motion());
-                (if lawful { EffectPlace::Structure } else { EffectPlace::Excitation }, EXCITER * l.chi)
-            }));
+            let located = self.located_at(&plain, place);
+            tried.extend(located.map(|l| (Source::Exciter(l), EXCITER * l.chi)));
         }
-        tried.extend(self.locate(&plain).first().map(|l| {
-            let deaf = self.asks(&plain, l).is_some_and(|asks| asks.excitation());
-            (if deaf { EffectPlace::Excitation } else { EffectPlace::Structure }, l.chi)
-        }));
+        tried.extend(self.locate(&plain).first().map(|&l| (Source::Elsewhere(l), l.chi)));
         let best = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
         let freedom = self.residuals_of(&self.training) * sensors.saturating_sub(2) / sensors.max(1);
-        best.map_or((EffectPlace::Structure, f64::INFINITY), |(place, chi)| {
-            (place, chi / freedom.max(1) as f64)
+        best.map_or((EffectPlace::Structure, f64::INFINITY), |(source, chi)| {
+            (self.place_of(&plain, source), chi / freedom.max(1) as f64)
         })
+    }
+
+    /// What acts on the beam is the excitation's or the structure's by what its force answers to; by its place where neither is told.
+    fn place_of(&self, setting: &Setting, source: Source) -> EffectPlace {
+        match source {
+            Source::Of(place) => place,
+            Source::Exciter(located) => match self.asks(setting, &located) {
+                Some(asks) if asks.motion() => EffectPlace::Structure,
+                _ => EffectPlace::Excitation,
+            },
+            Source::Elsewhere(located) => match self.asks(setting, &located) {
+                Some(asks) if asks.excitation() => EffectPlace::Excitation,
+                _ => EffectPlace::Structure,
+            },
+        }
     }
 
     /// What a further force asks for: the excitation, or the motion where it acts.

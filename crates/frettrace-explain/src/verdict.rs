@@ -1,7 +1,7 @@
 //! The verdict: nothing missing, explained by named effects, or unexplained with a place.
 
 use crate::effects::ALL;
-use crate::search::Explained;
+use crate::search::{Explained, excess};
 use crate::study::as_declared;
 use crate::{ExplainError, RunError, Study, Unknown};
 use frettrace_forward::accelerations::{Quantity, Setting};
@@ -377,7 +377,7 @@ impl Search<'_> {
 
 /// Whether an error of a rigid contact holds beside the noise no more than its balance may be wrong by.
 fn by_method(model: &Explained, error: RunError) -> bool {
-    let excess = (error.ratio().powi(2) - 1.0).max(0.0);
+    let excess = excess(error.ratio());
     model.fitted.setting.rigid && error.relative() * (excess / (1.0 + excess)).sqrt() <= RIGID_ACCURACY
 }
 

@@ -23,8 +23,6 @@ struct Tone {
     gain: f64,
     /// Those of them that hear it by themselves.
     heard: usize,
-    /// Whether a run is asked.
-    asked: Vec<bool>,
     /// Cosine and sine amplitude in each run; zero where it cannot be told from the lines of the motion.
     amplitude: Vec<[f64; 2]>,
 }
@@ -32,8 +30,8 @@ struct Tone {
 impl Tone {
     /// Whether it is in the runs whatever their excitation: most hear it, with the same amplitude. One run alone may hear its own
     /// motion, where that has no period.
-    fn lasts(&self) -> bool {
-        let asked = self.amplitude.iter().zip(&self.asked).filter(|(_, asked)| **asked);
+    fn lasts(&self, asked: &[bool]) -> bool {
+        let asked = self.amplitude.iter().zip(asked).filter(|(_, asked)| **asked);
         let mut sizes: Vec<f64> = asked.map(|(a, _)| a[0].hypot(a[1])).filter(|a| *a > 0.0).collect();
         sizes.sort_by(f64::total_cmp);
         let n = sizes.len();
@@ -70,7 +68,7 @@ pub(super) fn find(
                 }
             }
         }
-        let Some(tone) = best.filter(|t| t.gain > claim && t.lasts()) else { break };
+        let Some(tone) = best.filter(|t| t.gain > claim && t.lasts(&asked)) else { break };
         let size = |a: &[f64; 2]| a[0].hypot(a[1]);
         let amplitude = tone.amplitude.iter().map(size).sum::<f64>() / tone.amplitude.len() as f64;
         let noise: f64 = bare.iter().map(|b| b.variance[tone.sensor].sqrt()).sum::<f64>() / bare.len() as f64;
@@ -100,14 +98,7 @@ pub(super) fn find(
 fn tones((bare, asked): (&[Bare<'_>], &[bool]), frequency: f64) -> Vec<Tone> {
     let sensors = bare.first().map_or(0, |b| b.residual.len());
     let mut out: Vec<Tone> = (0..sensors)
-        .map(|sensor| Tone {
-            frequency,
-            sensor,
-            gain: 0.0,
-            heard: 0,
-            asked: asked.to_vec(),
-            amplitude: Vec::new(),
-        })
+        .map(|sensor| Tone { frequency, sensor, gain: 0.0, heard: 0, amplitude: Vec::new() })
         .collect();
     for (one, asked) in bare.iter().zip(asked) {
         if frequency > 0.45 * one.run.sampling_rate {

@@ -5,7 +5,7 @@ use super::{
     Search, by_method,
 };
 use crate::effects::{ALL, EffectPlace};
-use crate::search::{DOMINANT, Explained, OTHER_FORMULA};
+use crate::search::{DOMINANT, Explained, OTHER_FORMULA, excess};
 use crate::study::as_declared;
 use crate::{ChannelFault, RunError};
 use frettrace_forward::accelerations::Quantity;
@@ -256,11 +256,6 @@ impl Search<'_> {
             })
             .collect()
     }
-}
-
-/// What an error over the noise holds beside it, as a share of the noise's power.
-fn excess(ratio: f64) -> f64 {
-    (ratio * ratio - 1.0).max(0.0)
 }
 
 /// Whether a name, whose model follows the runs that it was fitted to, is not contradicted by those held out: their error over the noise

@@ -146,7 +146,10 @@ impl<T: Scalar> Part<T> {
         let pushed = |at: T, share: f64| {
             let driven = self.slip - compliance * at * (to - from);
             let sign = sense(driven);
-            let xi = reach * driven.abs() / (stiffness * law.yielding(at * sign / mean) + 1.0) * share;
+            let rate = law.yielding(at * sign / mean);
+            // A bristle that returns from beyond its limit does so by its own root, not by the spring.
+            let rate = if rate.re() > 0.0 { rate } else { T::from(0.0) };
+            let xi = reach * driven.abs() / (stiffness * rate + 1.0) * share;
             self.by(law, b, (sign, xi))
         };
         pushed(pushed(b, 0.5), 1.0)
@@ -184,19 +187,20 @@ impl<T: Scalar> ModifiedLaw<T> {
         !self.on(Hook::Backlash)
     }
 
-    /// Rate `φ(r)` of the deflection over that of the bristle's stuck root; never below nothing.
-    fn yielding(&self, ratio: T) -> T {
+    /// Rate `φ(r)` of the deflection over that of the bristle's stuck root: `ż = v·φ(r)`, below nothing where it returns from `r > 1`.
+    pub(super) fn yielding(&self, ratio: T) -> T {
         let full = T::from(1.0);
-        let rate = if self.on(Hook::Breakaway) {
+        if self.on(Hook::Breakaway) {
             -(rise(ratio, self.at(Hook::Breakaway), self.at(Hook::BreakawayShape)) * ratio) + full
         } else if self.on(Hook::FlowPower) {
             -(ratio * ((ratio.abs() + 1e-12).ln() * (self.at(Hook::FlowPower) - 1.0)).exp()) + full
-        } else if self.on(Hook::Exponent) && ratio.re() < 1.0 {
-            ((-ratio + 1.0).ln() * self.at(Hook::Exponent)).exp()
+        } else if self.on(Hook::Exponent) {
+            let left = -ratio + full;
+            let rate = ((left.abs() + 1e-12).ln() * self.at(Hook::Exponent)).exp();
+            if left.re() < 0.0 { -rate } else { rate }
         } else {
             -ratio + full
-        };
-        if rate.re() > 0.0 { rate } else { T::from(0.0) }
+        }
     }
 
     /// Whether the deflection after a stretch is a linear function of that before it.

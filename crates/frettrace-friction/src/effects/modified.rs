@@ -140,13 +140,7 @@ impl<T: Scalar> ModifiedLaw<T> {
 
     /// `σ1(v)·ż` with `ż = v·φ(r)`, of which a spring in series takes a part.
     fn damping(&self, b: T, (velocity, normal): (T, T), friction: T) -> T {
-        let ratio = b * sense(velocity) / friction;
-        let rate = if self.on(Hook::Breakaway) {
-            let rise = super::kernel::rise(ratio, self.at(Hook::Breakaway), self.at(Hook::BreakawayShape));
-            -(rise * ratio) + 1.0
-        } else {
-            -ratio + 1.0
-        };
+        let rate = self.yielding(b * sense(velocity) / friction);
         let given = self.at(Hook::Sigma0) * normal * self.at(Hook::SeriesCompliance);
         let rate = if self.on(Hook::SeriesCompliance) { rate / (given * rate + 1.0) } else { rate };
         let mut sigma1 = self.at(Hook::Sigma1);

@@ -182,6 +182,28 @@ fn a_spring_in_series_carries_the_force() {
     }
 }
 
+/// Presliding damping answers to the bristle's own rate, `μ = b + σ1 ż` with `ż = v (1 − r)^i`. At `i = 2` a ramp from rest has
+/// `r = ξ/(1 + ξ)`, `ξ = σ0 u/μ`, so that `μ = μ_k ξ/(1 + ξ) + σ1 v/(1 + ξ)²`; Runge-Kutta steps are good to 1e-5.
+#[test]
+fn presliding_damping_answers_to_the_bristles_rate() {
+    let (sigma0, friction, sigma1, speed, steps) = (3.0, 0.4, 0.05, 0.7, 64);
+    let mut law: ModifiedLaw<f64> = ModifiedLaw::dahl(sigma0, friction);
+    law.set(Hook::Exponent, 2.0);
+    law.set(Hook::Sigma1, sigma1);
+    let dt = 0.5 / f64::from(steps);
+    let mut state = law.rest_at(0.0);
+    for k in 0..steps {
+        let slip = [k, k + 1].map(|k| speed * dt * f64::from(k));
+        let step = Step { slip, velocity: [speed; 2], normal: [1.0; 2], dt };
+        let (next, force) =
+            law.advance(state, &step, &Circumstance { preload: 1.0, ..Circumstance::default() });
+        state = next;
+        let xi = sigma0 * slip[1] / friction;
+        let expected = friction * xi / (1.0 + xi) + sigma1 * speed / (1.0 + xi).powi(2);
+        assert!((force - expected).abs() < 1e-5, "step {k}: {force} against {expected}");
+    }
+}
+
 /// A hook at zero changes nothing.
 #[test]
 fn hooks_at_zero_change_nothing() {
