@@ -20,8 +20,9 @@ const GLANCE: usize = 2;
 const LOOK: usize = 8;
 const PART: usize = 10;
 const ALL_STEPS: usize = 30;
-/// Forms of one effect among these.
+/// Forms of one effect among these, and those of every effect that are looked at in any case.
 const LOOKS_OF_ONE: usize = 3;
+const CERTAIN: usize = 2;
 /// Forms tried from other starts of the law where none comes near.
 const AGAIN: usize = 4;
 /// Steps from each of them, before the best get all.
@@ -30,6 +31,11 @@ const BEGIN: usize = 8;
 const RISES: [f64; 3] = [0.15, 0.5, 1.5];
 /// Other starts of the declared law that get all.
 const ENDED: usize = 2;
+/// Values from which a law is tried from all about, and the starts of that.
+const MANY_VALUES: usize = 6;
+const ABOUT: usize = 24;
+/// Shares of viscous friction in these.
+const VISCOUS: [f64; 4] = [0.0, 0.1, 0.3, 1.0];
 
 /// A law on recovered contacts, with what it costs.
 #[derive(Clone)]
@@ -58,14 +64,14 @@ pub(crate) fn within_reach(criterion: f64, best: f64) -> bool {
 /// χ² per residual on the recovered contacts from which other starts of the declared law are tried.
 const POOR: f64 = 4.0;
 
-/// Keeps of a ranking the first few forms of each effect, `most` in all, and the first of every effect: one of many forms leaves
-/// room for its rivals, and where an effect has come in a few steps says little of where it ends.
+/// Keeps of a ranking the first few forms of each effect, `most` in all, and the first two of every effect: one of many forms leaves
+/// room for its rivals, and where a form has come in a few steps says little of where it ends.
 pub(crate) fn few_of_each(order: &mut Vec<(f64, usize)>, most: usize, effect: impl Fn(usize) -> usize) {
     let (mut looks, mut kept) = (vec![0; ALL.len()], 0);
     order.retain(|&(_, k)| {
         let count = &mut looks[effect(k)];
         *count += 1;
-        let keep = *count == 1 || *count <= LOOKS_OF_ONE && kept < most;
+        let keep = *count <= CERTAIN || *count <= LOOKS_OF_ONE && kept < most;
         kept += usize::from(keep);
         keep
     });
@@ -109,6 +115,38 @@ fn starts(
         }
     }
     out
+}
+
+/// Starts all about a law, in the coordinates of its free values: wide for velocities and dampings, narrow for what a loop shows; each
+/// with another share of viscous friction, the full one being that of the whole friction at the largest velocity.
+fn scattered(centre: &ModifiedLaw<f64>, free: &[Unknown], scales: &Scales) -> Vec<ModifiedLaw<f64>> {
+    let (hooks, parameters): (Vec<Hook>, Vec<Parameter>) = free
+        .iter()
+        .filter_map(|u| match u.quantity {
+            Quantity::Law(hook) => Some((hook, u.parameter.clone())),
+            _ => None,
+        })
+        .unzip();
+    let spread = |hook: &Hook| match hook {
+        Hook::Sigma0 => 0.3,
+        Hook::MuKinetic | Hook::StribeckExponent => 0.7,
+        Hook::Breakaway => 1.0,
+        Hook::Viscous => 0.0,
+        _ => 2.0,
+    };
+    let values: Vec<f64> = hooks.iter().map(|&hook| centre.get(hook).unwrap_or_default()).collect();
+    let spread: Vec<f64> = hooks.iter().map(spread).collect();
+    let full = centre.get(Hook::MuKinetic).unwrap_or_default() * scales.preload / scales.velocity;
+    let law = |(values, share): (Vec<f64>, &f64)| {
+        let mut law = *centre;
+        hooks.iter().zip(values).for_each(|(&hook, value)| law.set(hook, value));
+        if hooks.contains(&Hook::Viscous) {
+            law.set(Hook::Viscous, share * full);
+        }
+        law
+    };
+    let about = frettrace_identify::starts(&parameters, &values, &spread, ABOUT);
+    about.into_iter().zip(VISCOUS.iter().cycle()).map(law).collect()
 }
 
 impl Study<'_> {
@@ -158,6 +196,39 @@ impl Study<'_> {
             return Some(first);
         }
         // A law of many values has several minima: other starts, where the first end is poor, and the best of them goes on.
+        let others = starts(&setting.law, &self.scales, (recovered, setting.rigid));
+        let ended = self.contact_ends(recovered, setting, law_unknowns, others);
+        ended.into_iter().chain([first]).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
+    }
+
+    /// The law of a setting on the recovered contacts, from starts all about where that leaves a law of many values poor: what the
+    /// declared law comes to decides whether anything is missing.
+    pub(crate) fn contact_base_from_many(
+        &self,
+        recovered: &Contacts,
+        setting: &Setting,
+        law_unknowns: &[Unknown],
+    ) -> Option<ContactCandidate> {
+        let first = self.contact_base(recovered, setting, law_unknowns)?;
+        if first.reduced < POOR || setting.rigid || law_unknowns.len() < MANY_VALUES {
+            return Some(first);
+        }
+        let centres = starts(&setting.law, &self.scales, (recovered, setting.rigid));
+        let others = centres.first().map_or_else(Vec::new, |law| scattered(law, law_unknowns, &self.scales));
+        let ended = self.contact_ends(recovered, setting, law_unknowns, others);
+        ended.into_iter().chain([first]).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
+    }
+
+    /// Where the law of a setting ends on the recovered contacts from the best of some starts.
+    fn contact_ends(
+        &self,
+        recovered: &Contacts,
+        setting: &Setting,
+        law_unknowns: &[Unknown],
+        starts: Vec<ModifiedLaw<f64>>,
+    ) -> Vec<ContactCandidate> {
+        let plain = ContactForm::new(Vec::new());
+        let form = (usize::MAX, &plain);
         let quick = recovered.quick();
         let begin = |law| {
             let setting = Setting { law, ..setting.clone() };
@@ -166,12 +237,10 @@ impl Study<'_> {
         let end = |begun: &ContactCandidate| {
             self.contact_steps(recovered, setting, law_unknowns, form, (Some(begun), ALL_STEPS))
         };
-        let others = starts(&setting.law, &self.scales, (recovered, setting.rigid));
-        let mut begun: Vec<ContactCandidate> = others.into_par_iter().filter_map(begin).collect();
+        let mut begun: Vec<ContactCandidate> = starts.into_par_iter().filter_map(begin).collect();
         begun.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
         begun.truncate(ENDED);
-        let ended: Vec<ContactCandidate> = begun.par_iter().filter_map(end).collect();
-        ended.into_iter().chain([first]).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
+        begun.par_iter().filter_map(end).collect()
     }
 
     /// The law of a setting, fitted already, on the recovered contacts again for each of some static frictions below its own: a

@@ -28,8 +28,15 @@ const SMOOTH: [(&str, &[usize]); 3] = [
     ("structure.second-support", &[0, 1]),
 ];
 
-/// Effects that change the structure itself, the same at every level.
-const STEADY: [&str; 3] = ["structure.frequency-drift", "structure.clamp-compliance", "structure.added-mass"];
+/// Effects that change the structure itself, the same at every level. A mode that is free within what was declared is asked what it
+/// would take without that.
+const STEADY: [&str; 5] = [
+    "structure.frequency-drift",
+    "structure.clamp-compliance",
+    "structure.added-mass",
+    "structure.modal-frequency",
+    "structure.modal-damping",
+];
 /// Candidates that are worth a fit of the whole model.
 const ASKED: usize = 3;
 
@@ -93,11 +100,13 @@ impl Study<'_> {
         let candidate = |mut form: StructureForm| {
             // Its size; shapes and places mean nothing without one.
             let size = form.unknowns.first()?.clone();
-            let (warm, runs) = (current.fitted.memory.clone(), known.runs.clone());
-            let own = std::slice::from_ref(&size);
-            let (_, jacobian) =
-                linearised(&AccelerationFit::new(&self.model, form.setting.clone(), own, runs, warm))?;
-            let tangent = jacobian.resize_vertically(known.left.len(), 0.0).column(0).into_owned();
+            let tangent = known.tangent(size.quantity).or_else(|| {
+                let (warm, runs) = (current.fitted.memory.clone(), known.runs.clone());
+                let own = std::slice::from_ref(&size);
+                let problem = AccelerationFit::new(&self.model, form.setting.clone(), own, runs, warm);
+                linearised(&problem).map(|(_, jacobian)| jacobian.column(0).into_owned())
+            })?;
+            let tangent = tangent.resize_vertically(known.left.len(), 0.0);
             let (gain, values) = explained(&[known.beside.of(&tangent)], &known.left)?;
             let (lowest, highest) = size.parameter.bounds;
             let start = form.setting.get(size.quantity).unwrap_or_default();
@@ -120,14 +129,15 @@ impl Study<'_> {
             .collect();
         let lines = residual.len();
         let rows = lines + priors.len();
-        let mut tangents = jacobian.resize_vertically(rows, 0.0);
+        let free = free.into_iter().map(|u| u.quantity).collect();
+        let mut tangents = jacobian.clone().resize_vertically(rows, 0.0);
         for (row, &(j, weight)) in priors.iter().enumerate() {
             tangents[(lines + row, j)] = weight;
         }
         let beside = Beside::new(tangents);
         let left = beside.of(&residual.resize_vertically(rows, 0.0));
         let excess = (left.norm_squared() - lines as f64).max(f64::MIN_POSITIVE);
-        Some(Known { runs, beside, left, excess })
+        Some(Known { runs, free, jacobian, beside, left, excess })
     }
 
     /// The smooth forces at a place; none where the model has no answer there.
@@ -160,12 +170,23 @@ impl Study<'_> {
 /// What is free already, on the runs that are asked.
 struct Known {
     runs: Vec<usize>,
+    free: Vec<Quantity>,
+    /// Tangents of the lines, a column for each of these.
+    jacobian: DMatrix<f64>,
     /// Projector beside its tangents.
     beside: Beside,
     /// The residual beside them: lines, and a row for each prior.
     left: DVector<f64>,
     /// χ² of that above the noise.
     excess: f64,
+}
+
+impl Known {
+    /// Tangent of what is free already; beside itself it is what its prior holds back.
+    fn tangent(&self, quantity: Quantity) -> Option<DVector<f64>> {
+        let place = self.free.iter().position(|free| *free == quantity)?;
+        Some(self.jacobian.column(place).into_owned())
+    }
 }
 
 /// Residual and derivatives of a model at its start.

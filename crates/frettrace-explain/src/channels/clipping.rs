@@ -27,11 +27,13 @@ pub(super) fn find(
     let mut faults = Vec::new();
     for sensor in 0..sensors {
         let std = noise.map_or(0.0, |n| n[sensor]);
+        let all = runs.iter().flat_map(|run| &run.acceleration[sensor]);
+        let reach = all.fold([0.0_f64; 2], |[low, high], x| [low.min(*x), high.max(*x)]);
         let mut limits: Option<[f64; 2]> = None;
         let mut cut = 0;
         for (run, samples) in runs.iter().enumerate() {
             let raw = &samples.acceleration[sensor];
-            let Some((found, flat)) = flat_tops(raw, std) else { continue };
+            let Some((found, flat)) = flat_tops(raw, std, reach) else { continue };
             cut += flat;
             let widest = limits.get_or_insert(found);
             *widest = [widest[0].min(found[0]), widest[1].max(found[1])];
@@ -51,11 +53,12 @@ pub(super) fn find(
     faults
 }
 
-/// Values at which a channel saturates, infinite where it does not, and the samples there.
-fn flat_tops(signal: &[f64], std: f64) -> Option<([f64; 2], usize)> {
+/// Values at which a channel saturates, infinite where it does not, and the samples there; `reach` is the least and the largest value of
+/// the channel in any run.
+fn flat_tops(signal: &[f64], std: f64, [low, high]: [f64; 2]) -> Option<([f64; 2], usize)> {
     let negative: Vec<f64> = signal.iter().map(|x| -x).collect();
-    let top = flat_top(signal, std);
-    let bottom = flat_top(&negative, std);
+    let top = flat_top(signal, std, high);
+    let bottom = flat_top(&negative, std, -low);
     if top.is_none() && bottom.is_none() {
         return None;
     }
@@ -63,8 +66,8 @@ fn flat_tops(signal: &[f64], std: f64) -> Option<([f64; 2], usize)> {
     Some(([bottom.map_or(f64::NEG_INFINITY, |b| -b.0), top.map_or(f64::INFINITY, |t| t.0)], flat))
 }
 
-/// The value of a flat top and its samples.
-fn flat_top(signal: &[f64], std: f64) -> Option<(f64, usize)> {
+/// The value of a flat top and its samples; `reach` is the largest value of the channel in any run.
+fn flat_top(signal: &[f64], std: f64, reach: f64) -> Option<(f64, usize)> {
     let mut sorted = signal.to_vec();
     sorted.sort_by(|a, b| b.total_cmp(a));
     let (high, low) = (*sorted.first()?, *sorted.last()?);
@@ -77,8 +80,8 @@ fn flat_top(signal: &[f64], std: f64) -> Option<(f64, usize)> {
     if same >= FEWEST && same as f64 > PILE * beside as f64 && high - low > 0.0 {
         return Some((high, same));
     }
-    // Noise that was added after the saturation rounds the pile.
-    if std <= 0.0 || high - low < LOUD * std {
+    // Noise that was added after the saturation rounds the pile. What another run exceeds is no limit.
+    if std <= 0.0 || high - low < LOUD * std || reach > high + 6.0 * std {
         return None;
     }
     let outer = sorted.iter().take_while(|x| **x > high - 6.0 * std).count();
@@ -121,7 +124,7 @@ mod tests {
     fn few_phases_are_no_flat_top() {
         for (samples, amplitude) in [(8.0, 100.0), (25.0, 143.0), (12.0, 1000.0)] {
             let signal = noisy(|n| amplitude * (TAU * n / samples).cos());
-            assert!(flat_tops(&signal, 1.0).is_none(), "{samples} samples a period");
+            assert!(flat_tops(&signal, 1.0, [0.0; 2]).is_none(), "{samples} samples a period");
         }
     }
 
@@ -130,7 +133,9 @@ mod tests {
     fn a_cut_below_the_noise_is_found() {
         for samples in [25.0, 38.31] {
             let signal = noisy(|n| (300.0 * (TAU * n / samples).cos()).min(240.0));
-            let (limits, _) = flat_tops(&signal, 1.0).unwrap();
+            // Another run reads 260: that is no limit.
+            assert!(flat_tops(&signal, 1.0, [-300.0, 260.0]).is_none());
+            let (limits, _) = flat_tops(&signal, 1.0, [-300.0, 244.0]).unwrap();
             // The middle of some 800 samples is known to 1.25/√800 = 0.04 noises; the slopes add a little.
             assert!((limits[1] - 240.0).abs() < 0.3, "{limits:?}");
             assert!(limits[0] == f64::NEG_INFINITY);

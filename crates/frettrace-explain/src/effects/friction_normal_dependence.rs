@@ -1,6 +1,6 @@
 //! `friction.normal-dependence`.
 //!
-//! *Adds*: a friction coefficient that depends on the normal force, `μ ∝ (N/N₀)^(−n)`.
+//! *Adds*: a friction coefficient that depends on the normal force, `μ ∝ (N/N₀)^(−n)`, or by another power, `1 − n((N/N₀)^q − 1)/q`, where the data ask for it.
 //!
 //! *Shows as*: friction that does not follow the normal force in proportion: even harmonics at the higher levels.
 //!
@@ -37,9 +37,9 @@ impl Effect for FrictionNormalDependence {
                 Change::fixed(Hook::NormalReference, scales.preload),
             ]
         };
-        let mut curved = power();
-        curved.push(Change::linear(Hook::NormalCurvature, 0.0, 0.1, (-2.0, 2.0)));
+        let mut powered = power();
+        powered.push(Change::linear(Hook::NormalPower, 0.5, 0.2, (-3.0, 4.0)));
         let own = vec![Change::linear(Hook::NormalExponent, 0.05, 0.1, (-2.0, 2.0))];
-        vec![ContactForm::new(own), ContactForm::new(power()), ContactForm::new(curved)]
+        vec![ContactForm::new(own), ContactForm::new(power()), ContactForm::new(powered)]
     }
 }

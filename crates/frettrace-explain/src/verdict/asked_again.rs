@@ -4,7 +4,7 @@
 //! among the fitted ones and others are held out. A name may leave little, yet more than the noise: a mechanism that is there
 //! leaves nothing. Then the search is made again without that name, and what explains better stands.
 
-use super::outcome::Outcome;
+use super::outcome::{Outcome, is_followed};
 use super::{CONTRADICTED, EVIDENCE, NEAR, Rival, Search};
 use crate::effects::ALL;
 use crate::search::Explained;
@@ -105,9 +105,15 @@ impl<'a> Found<'a> {
         self.model.effects.is_empty() && self.model.complete() && self.held_out_ratio() > CONTRADICTED
     }
 
-    /// Whether nothing was found, and the runs held out hold far more of what is lacking than those that were searched.
+    /// Whether the runs held out hold far more of what is lacking than those that were searched: nothing was found, or something whose
+    /// formula they would have had to tell.
     fn overtaken(&self) -> bool {
-        self.model.effects.is_empty() && self.held_out_ratio() > OVERTAKEN * self.model.ratio
+        let after = self.held_out_ratio();
+        let untold = || {
+            let before = self.search.study.error(&self.baseline.fitted, &self.search.study.held_out).ratio();
+            self.model.complete() && !is_followed(before, after)
+        };
+        after > OVERTAKEN * self.model.ratio && (self.model.effects.is_empty() || untold())
     }
 
     /// The only name of a model that leaves more than the noise. One that every rival leaves ten times as much as is in no doubt.

@@ -23,7 +23,7 @@ impl Search<'_> {
             }
         }
         let recovered = self.study.recovered(&setting)?;
-        if let Some(base) = self.study.contact_base(&recovered, &setting, &law) {
+        if let Some(base) = self.study.contact_base_from_many(&recovered, &setting, &law) {
             setting.law = base.law;
             self.recovered_law = Some(base.law);
         }

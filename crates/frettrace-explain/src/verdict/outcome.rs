@@ -260,7 +260,7 @@ impl Search<'_> {
 
 /// Whether a name, whose model follows the runs that it was fitted to, is not contradicted by those held out: their error over the noise
 /// before and after. It may miss them where it took all but a trace of what was missing in them.
-fn is_followed(before: f64, after: f64) -> bool {
+pub(super) fn is_followed(before: f64, after: f64) -> bool {
     after <= CONTRADICTED || excess(after) <= DOMINANT * excess(before)
 }
 

@@ -114,7 +114,7 @@ impl<T: Scalar> ModifiedLaw<T> {
         if mu.re() > least { mu } else { T::from(least) }
     }
 
-    /// `exp(−n·l − m·l²)`, `l = ln(N/N₀)`; 1 where the contact is all but open.
+    /// `1 − n(x^q − 1)/q`, `q = s − n`, `x = N/N₀`, which is `x^{−n}` at `s = 0`; 1 where the contact is all but open.
     fn normal_factor(&self, normal: T, preload: f64) -> T {
         let stated = self.on(Hook::NormalReference);
         let reference = if stated { self.at(Hook::NormalReference) } else { T::from(preload) };
@@ -123,11 +123,12 @@ impl<T: Scalar> ModifiedLaw<T> {
             return T::from(1.0);
         }
         let l = ratio.ln();
-        let mut power = self.at(Hook::NormalExponent) * l;
-        if self.on(Hook::NormalCurvature) {
-            power += self.at(Hook::NormalCurvature) * l * l;
+        let exponent = self.at(Hook::NormalExponent);
+        if self.on(Hook::NormalPower) {
+            let y = (self.at(Hook::NormalPower) - exponent) * l;
+            return -(exponent * l * decay_mean(-y)) + 1.0;
         }
-        (-power).exp()
+        (-(exponent * l)).exp()
     }
 
     fn place_factor(&self, slip: T) -> T {

@@ -83,8 +83,9 @@ pub enum Hook {
     VelocityLag,
     /// Normal force at which the friction coefficient is the stated one, for its dependence on it \[N\].
     NormalReference,
-    /// Second-order exponent of the same dependence, `ln μ ∝ −n·l − m·l²`, `l = ln(N/N₀)`.
-    NormalCurvature,
+    /// Power `q` of the same dependence where it is not `−n`, by `s = q + n`: `μ ∝ 1 − n(x^q − 1)/q`, `x = N/N₀`. A straight line has
+    /// `q = 1`, a logarithm 0, a constant shear strength −1.
+    NormalPower,
     /// Exponent of the course of wear over the runs, `progress^k`.
     WearExponent,
     /// Exponent `p` of a film thickness `1 − exp(−(|v|/v_b)^p)`.
@@ -172,7 +173,7 @@ impl Hook {
         Self::SpeedLag,
         Self::VelocityLag,
         Self::NormalReference,
-        Self::NormalCurvature,
+        Self::NormalPower,
         Self::WearExponent,
         Self::FilmExponent,
         Self::AgeingSaturation,
@@ -224,7 +225,7 @@ impl Hook {
             | Self::PeriodicCosine3
             | Self::PeriodicSine3
             | Self::NormalExponent
-            | Self::NormalCurvature
+            | Self::NormalPower
             | Self::Wear
             | Self::SeriesCompliance
             | Self::ParallelStiffness
@@ -282,7 +283,7 @@ impl Hook {
             Self::SpeedLag => ("speed_lag_time", "s"),
             Self::VelocityLag => ("velocity_lag_time", "s"),
             Self::NormalReference => ("normal_reference", "N"),
-            Self::NormalCurvature => ("normal_curvature", "1"),
+            Self::NormalPower => ("normal_power_shift", "1"),
             Self::WearExponent => ("wear_exponent", "1"),
             Self::WearSettling => ("wear_settling", "1"),
             Self::AsymmetryPower => ("asymmetry_power", "1"),

@@ -89,7 +89,7 @@ fn neutral_shapes_change_nothing() {
     let neutral = [
         (vec![(Hook::Breakaway, 0.3)], Hook::BreakawayShape, 0.0, 2e-3),
         (vec![(Hook::Asymmetry, 0.2)], Hook::AsymmetryVelocity, 1e-9, 1e-5),
-        (vec![(Hook::NormalExponent, 0.3)], Hook::NormalCurvature, 0.0, 1e-12),
+        (vec![(Hook::NormalExponent, 0.3)], Hook::NormalPower, 0.0, 1e-12),
         (vec![(Hook::Position, 0.4)], Hook::PositionScale, 1e6, 1e-9),
         (vec![(Hook::Viscous, 0.1), (Hook::ViscousReference, 2.0)], Hook::ViscousPower, 1.0, 1e-12),
         (vec![(Hook::Wear, 0.4)], Hook::WearExponent, 1.0, 1e-12),
@@ -204,6 +204,31 @@ fn presliding_damping_answers_to_the_bristles_rate() {
     }
 }
 
+/// Friction that falls with the normal force along a straight line, `μ = μ_k (1 + n(1 − x))`, `x = N/N₀`, is the power `q = 1`, and a
+/// constant force beside Coulomb's, `μ = μ_k (1 − n + n/x)`, is `q = −1`.
+#[test]
+fn powers_of_the_normal_force_hold_the_usual_laws() {
+    let (friction, n, reference) = (0.4, 0.3, 2.0);
+    let sliding = |power: f64, normal: f64| {
+        let mut law: ModifiedLaw<f64> = ModifiedLaw::dahl(1e3, friction);
+        for (hook, value) in
+            [(Hook::NormalExponent, n), (Hook::NormalReference, reference), (Hook::NormalPower, power + n)]
+        {
+            law.set(hook, value);
+        }
+        let step = Step { slip: [0.0, 0.1], velocity: [1.0; 2], normal: [normal; 2], dt: 0.1 };
+        law.advance(law.rest_at(0.0), &step, &Circumstance { preload: 1.0, ..Circumstance::default() }).1
+    };
+    for normal in [0.5, 1.0, 2.0, 5.0] {
+        let x = normal / reference;
+        let expected = [friction * (1.0 + n * (1.0 - x)), friction * (1.0 - n + n / x)];
+        for (power, expected) in [1.0, -1.0].into_iter().zip(expected) {
+            let ratio = sliding(power, normal) / normal;
+            assert!((ratio - expected).abs() < 1e-12, "{power} {normal}: {ratio} against {expected}");
+        }
+    }
+}
+
 /// A hook at zero changes nothing.
 #[test]
 fn hooks_at_zero_change_nothing() {
@@ -243,6 +268,7 @@ fn derivatives_agree_with_differences() {
         (Hook::Asymmetry, 0.1),
         (Hook::Position, 0.2),
         (Hook::NormalExponent, 0.3),
+        (Hook::NormalPower, 0.8),
         (Hook::SeriesCompliance, 0.05),
     ] {
         law.set(hook, value);
