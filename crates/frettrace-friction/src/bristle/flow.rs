@@ -138,6 +138,10 @@ impl<T: Scalar> Friction<T> {
     /// Elastic up to `r = b`, then Runge-Kutta through the partial-slip zone.
     #[inline(always)]
     pub fn breakaway(&self, loading: T, breakaway: T) -> T {
+        // A reversal just beside a sample leaves a stroke whose travel is a rounding error of either sign.
+        if self.push.re() <= 0.0 {
+            return loading + self.push;
+        }
         let parabola = Parabola::new(self.mu, self.middle());
         let Some(start) = self.breakaway_point(loading, breakaway, &parabola) else {
             return loading + self.push;

@@ -187,3 +187,41 @@ fn a_velocity_that_is_zero_but_for_rounding_does_no_harm() {
         assert!(force.is_finite() && near.abs() < 3e-6, "{velocity:?}: {z} {force}");
     }
 }
+
+/// A step of a simulated rig that reverses by 4e-7 of its duration before its end, 16 pm/s on the way back: that way is no
+/// difference of two slips of 0.16 mm.
+#[test]
+fn a_reversal_just_before_a_sample_does_no_harm() {
+    let law = Bristle {
+        sigma0: 5112.168543054344,
+        sigma1: 2.202121022910131,
+        v_d: 0.027263187019410783,
+        sigma2: 0.0,
+        mu_s: 0.32150453455582917,
+        mu_k: 0.20794397542201054,
+        v_s: 0.01914431748970178,
+        breakaway: 0.5059469425722378,
+        ..bristle(Saturation::Breakaway, Steady::Stribeck)
+    };
+    let (start, z) = (-0.00015894276372912855, -0.000053647318024578985);
+    for (end, back) in [
+        (-0.00015894212791334945, -1.5889940286033033e-11),
+        (-0.00015894212791334948, -1.589163900771031e-11),
+        (-0.00015894212791484912, -1.3878878572439552e-10),
+    ] {
+        let step = Step {
+            slip: [start, end],
+            velocity: [4.201736226520057e-5, back],
+            normal: [43.40417700033981; 2],
+            dt: 0.000030529160913419815,
+        };
+        for sign in [1.0, -1.0] {
+            let turned =
+                Step { slip: step.slip.map(|s| sign * s), velocity: step.velocity.map(|v| sign * v), ..step };
+            let ([after], force) = law.step([sign * z], &turned);
+            let moved = sign * (after - sign * z) / (end - start);
+            // The bristle is loaded against the motion, so that all of the slip deflects it.
+            assert!(force.is_finite() && (moved - 1.0).abs() < 1e-6, "{end} {sign}: {moved}");
+        }
+    }
+}
