@@ -227,6 +227,20 @@ fn a_cubic_spring_is_told_from_a_support_by_its_shape() {
     check_placed(&explained(&rig, &[]), "structure.cubic-stiffness", 0.34);
 }
 
+/// The first mode declared with five sixths of its damping, each damping to a thousandth. Its true value is found to a hundredth.
+#[test]
+fn a_mode_is_damped_otherwise_than_declared() {
+    let rig = rig();
+    let mut case = declared(&rig, &measured(&rig, &LEVELS));
+    case.modes.damping[0] = 0.02 / 1.2;
+    let outcome = explain(&case).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Explained);
+    let named: Vec<&str> = outcome.effects.iter().map(|e| e.id).collect();
+    assert_eq!(named, ["structure.modal-damping"]);
+    let found = outcome.model.fitted.setting.damping[0];
+    assert!((found / 0.02 - 1.0).abs() < 0.01, "{found}");
+}
+
 /// Natural frequencies that fall by 0.2 % while the rig warms up, `1 − e^{−4p}` of it by `p` of the runs: one name, its size to a
 /// hundredth (its standard error is 0.4 %). The first and the last run are among the fitted ones; without the last the end is guessed.
 #[test]

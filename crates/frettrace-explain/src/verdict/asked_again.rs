@@ -81,7 +81,14 @@ impl<'a> Found<'a> {
         let followed = baseline.complete() || search.within_method;
         // Where both other splits contradicted it, the declared model lacks something however little shows where it is fitted.
         let done = followed && !search.series_open(&baseline) && split != Split::One;
-        let mut model = if done { baseline.clone() } else { search.close(&baseline)? };
+        let mut model = if !done {
+            search.close(&baseline)?
+        } else if let Some(better) = search.released(&baseline) {
+            better
+        } else {
+            search.rivals.clear();
+            baseline.clone()
+        };
         if let Some(better) = search.rebased(&baseline, &model) {
             if better.complete() {
                 model = better.clone();

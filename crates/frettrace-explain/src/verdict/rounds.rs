@@ -1,9 +1,11 @@
 //! One effect more: rounds over the contact and over everything outside it.
 
-use super::{BALANCE_CALIBRATED, EASED, EVIDENCE, FINER, NEAR, PROXY, Rival, Search, Tried};
+use super::{
+    BALANCE_CALIBRATED, EASED, EVIDENCE, FINER, HELD_OUT, HELD_OUT_SHARE, NEAR, PROXY, Rival, Search, Tried,
+};
 use crate::balance_fit::BalanceCandidate;
 use crate::effects::{ALL, Reach, Simpler};
-use crate::search::Explained;
+use crate::search::{Explained, excess};
 use crate::study::merge;
 use crate::{ExplainError, Study, Unknown};
 use frettrace_forward::accelerations::{Quantity, Setting};
@@ -14,6 +16,11 @@ use rayon::prelude::*;
 const CLOSE: f64 = 4.0;
 /// χ² per residual on the recovered contacts below which a law is one that the contact may have.
 const FITS: f64 = 4.0;
+
+/// Share of a mode's range from its end within which it parks there, …
+const AT_BOUND: f64 = 1e-3;
+/// … and the χ² that its release must take: a prior of five deviations is worth 25 by itself, and so is one of two modes.
+const RELEASED: f64 = 100.0;
 
 impl Search<'_> {
     /// The same model from the law that the contacts recovered with it show, where that ends nearer: the fit of the whole rig may
@@ -337,6 +344,51 @@ impl Search<'_> {
                 Ok(contact)
             }
         }
+    }
+
+    /// A model that is complete with a mode at the end of what was declared of it, with that mode released: law and modes together may
+    /// have taken up what one of them lacks.
+    pub(super) fn released(&mut self, current: &Explained) -> Option<Explained> {
+        let fitted = &current.fitted;
+        let strained = fitted.unknowns.iter().filter(|unknown| {
+            let (low, high) = unknown.parameter.bounds;
+            let value = fitted.setting.get(unknown.quantity).unwrap_or_default();
+            unknown.parameter.prior.is_some() && (value - low).min(high - value) < AT_BOUND * (high - low)
+        });
+        let candidates: Vec<BalanceCandidate> =
+            strained.filter_map(|unknown| self.release(current, unknown.quantity)).collect();
+        let found = candidates.par_iter().filter_map(|c| self.with_structure(current, c).ok()).collect();
+        let found = self.take_best(current, found)?;
+        let held_out = &self.study.held_out;
+        let error = |of: &Explained| self.study.error(&of.fitted, held_out).ratio();
+        let told = found.complete() && found.criterion + RELEASED < current.criterion;
+        // What only the fitted runs ask for is an error of theirs, or of the model.
+        let foretold = told
+            && !held_out.is_empty()
+            && self.study.improvement(&current.fitted, &found.fitted, held_out) > HELD_OUT
+            && excess(error(&found)) <= HELD_OUT_SHARE * excess(error(current));
+        foretold.then_some(found)
+    }
+
+    /// The effect of a mode with another frequency or damping than declared.
+    fn release(&self, current: &Explained, quantity: Quantity) -> Option<BalanceCandidate> {
+        let id = match quantity {
+            Quantity::ModeFrequency(_) => "structure.modal-frequency",
+            Quantity::ModeDamping(_) => "structure.modal-damping",
+            _ => return None,
+        };
+        let effect = ALL.iter().position(|e| e.id() == id && self.study.case.allows(id))?;
+        let (case, setting) = (self.study.case, &current.fitted.setting);
+        let forms = ALL[effect].structure_forms(case, setting, &self.study.scales);
+        let form = forms.into_iter().find(|form| form.unknowns[0].quantity == quantity)?;
+        Some(BalanceCandidate {
+            effect,
+            sensor: None,
+            setting: form.setting,
+            unknowns: form.unknowns,
+            criterion: current.criterion,
+            reduced: f64::NAN,
+        })
     }
 
     /// Effects outside the contact that bring χ² per degree of freedom of the balance below `limit`.
