@@ -79,6 +79,8 @@ struct Search<'a> {
     within_method: bool,
     /// Whether a name stands whose formula leaves more than the noise.
     other_formula: bool,
+    /// Whether a mode must leave what was declared of it, and its name is not asked for.
+    strained: bool,
     /// Whether the last effect is a lift-off that only runs without a period show.
     lifts_off: bool,
     /// The study before its grid was made finer, and how often it had been, while it is not settled that the finer one stays.
@@ -100,6 +102,7 @@ impl<'a> Search<'a> {
             refined: 0,
             within_method: false,
             other_formula: false,
+            strained: false,
             lifts_off: false,
             coarse: None,
             recovered_law: None,

@@ -91,7 +91,7 @@ impl Search<'_> {
         let by_method = self.within_method && model.effects.is_empty();
         let near = model.complete() || model.sufficient(&baseline) || self.other_formula || by_method;
         let filled = near && borne_out;
-        let complete = filled && !nameless;
+        let complete = filled && !nameless && !self.strained;
         let verdict = match (model.effects.is_empty() && named.is_empty(), complete) {
             (true, true) => Verdict::NothingMissing,
             (false, true) => Verdict::Explained,
@@ -102,6 +102,7 @@ impl Search<'_> {
             Verdict::Explained if model.effects.is_empty() => Some(EffectPlace::Measurement),
             Verdict::Explained => model.effects.first().map(|&e| ALL[e].place()),
             Verdict::Unexplained if nameless && filled => Some(EffectPlace::Measurement),
+            Verdict::Unexplained if self.strained => Some(EffectPlace::Structure),
             Verdict::Unexplained => Some(self.place(&model)),
         };
         let effects: Vec<Named> = if verdict == Verdict::Explained {

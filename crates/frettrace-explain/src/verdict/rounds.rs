@@ -347,7 +347,7 @@ impl Search<'_> {
     }
 
     /// A model that is complete with a mode at the end of what was declared of it, with that mode released: law and modes together may
-    /// have taken up what one of them lacks.
+    /// have taken up what one of them lacks. Where that is so and the name is not asked for, the structure is strained.
     pub(super) fn released(&mut self, current: &Explained) -> Option<Explained> {
         let fitted = &current.fitted;
         let strained = fitted.unknowns.iter().filter(|unknown| {
@@ -367,7 +367,10 @@ impl Search<'_> {
             && !held_out.is_empty()
             && self.study.improvement(&current.fitted, &found.fitted, held_out) > HELD_OUT
             && excess(error(&found)) <= HELD_OUT_SHARE * excess(error(current));
-        foretold.then_some(found)
+        let allowed = found.effects.last().is_some_and(|&e| self.study.case.allows(ALL[e].id()));
+        self.strained = foretold && !allowed;
+        self.tried.retain(|t| self.study.case.allows(t.id));
+        (foretold && allowed).then_some(found)
     }
 
     /// The effect of a mode with another frequency or damping than declared.
@@ -377,7 +380,7 @@ impl Search<'_> {
             Quantity::ModeDamping(_) => "structure.modal-damping",
             _ => return None,
         };
-        let effect = ALL.iter().position(|e| e.id() == id && self.study.case.allows(id))?;
+        let effect = ALL.iter().position(|e| e.id() == id)?;
         let (case, setting) = (self.study.case, &current.fitted.setting);
         let forms = ALL[effect].structure_forms(case, setting, &self.study.scales);
         let form = forms.into_iter().find(|form| form.unknowns[0].quantity == quantity)?;
