@@ -128,8 +128,8 @@ impl Series {
     }
 }
 
-/// Half periods in a record of the fastest motion that counts as slow: a drift is told from what begins and ends at rest only beyond
-/// some of them.
+/// Half periods in a record of the fastest motion that counts as slow: recovered accelerations are integrated twice, and what they leave of
+/// a drift reaches so far.
 const SLOW: usize = 10;
 /// Step of differences by such a motion, over the RMS of the slip.
 const SLOW_STEP: f64 = 1e-4;
@@ -255,7 +255,11 @@ impl SeriesContact {
                     (self.left_beside(law, &moved) - &left) / step
                 })
                 .collect();
-            let Ok(change) = DMatrix::from_columns(&beside).svd(true, true).solve(&left, 0.0) else { break };
+            let tangents = DMatrix::from_columns(&beside);
+            if !tangents.iter().all(|x| x.is_finite()) {
+                break;
+            }
+            let Ok(change) = tangents.svd(true, true).solve(&left, 0.0) else { break };
             let better = [1.0, 0.3, 0.1].into_iter().find_map(|share| {
                 let moved = std::array::from_fn(|j| motion[j] - share * change[j]);
                 let after = self.left_beside(law, &moved);
