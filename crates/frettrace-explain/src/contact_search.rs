@@ -197,8 +197,7 @@ impl Study<'_> {
         }
         // A law of many values has several minima: other starts, where the first end is poor, and the best of them goes on.
         let others = starts(&setting.law, &self.scales, (recovered, setting.rigid));
-        let ended = self.contact_ends(recovered, setting, law_unknowns, others);
-        ended.into_iter().chain([first]).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
+        self.better_end(recovered, setting, law_unknowns, (others, first))
     }
 
     /// The law of a setting on the recovered contacts, from starts all about where that leaves a law of many values poor: what the
@@ -215,18 +214,17 @@ impl Study<'_> {
         }
         let centres = starts(&setting.law, &self.scales, (recovered, setting.rigid));
         let others = centres.first().map_or_else(Vec::new, |law| scattered(law, law_unknowns, &self.scales));
-        let ended = self.contact_ends(recovered, setting, law_unknowns, others);
-        ended.into_iter().chain([first]).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
+        self.better_end(recovered, setting, law_unknowns, (others, first))
     }
 
-    /// Where the law of a setting ends on the recovered contacts from the best of some starts.
-    fn contact_ends(
+    /// Where the law of a setting ends on the recovered contacts from the best of some starts, or `first` where that is better.
+    fn better_end(
         &self,
         recovered: &Contacts,
         setting: &Setting,
         law_unknowns: &[Unknown],
-        starts: Vec<ModifiedLaw<f64>>,
-    ) -> Vec<ContactCandidate> {
+        (starts, first): (Vec<ModifiedLaw<f64>>, ContactCandidate),
+    ) -> Option<ContactCandidate> {
         let plain = ContactForm::new(Vec::new());
         let form = (usize::MAX, &plain);
         let quick = recovered.quick();
@@ -240,7 +238,8 @@ impl Study<'_> {
         let mut begun: Vec<ContactCandidate> = starts.into_par_iter().filter_map(begin).collect();
         begun.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
         begun.truncate(ENDED);
-        begun.par_iter().filter_map(end).collect()
+        let ended: Vec<ContactCandidate> = begun.par_iter().filter_map(end).collect();
+        ended.into_iter().chain([first]).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
     }
 
     /// The law of a setting, fitted already, on the recovered contacts again for each of some static frictions below its own: a

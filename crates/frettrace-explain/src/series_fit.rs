@@ -334,15 +334,21 @@ mod tests {
         found
     }
 
-    /// The law that made the force leaves nothing; one without its Stribeck rise of a half leaves more than a twentieth
-    /// of it, five times the accuracy assumed (25 in χ² a residual).
-    #[test]
-    fn the_law_is_judged_without_a_period() {
+    /// A law, and the same with a Stribeck rise of a half.
+    fn laws() -> [ModifiedLaw<f64>; 2] {
         let plain: ModifiedLaw<f64> = ModifiedLaw::dahl(4e4, 0.3);
         let mut falling = plain;
         falling.set(Hook::StribeckRise, 0.15);
         falling.set(Hook::StribeckVelocity, 4e-3);
         falling.set(Hook::StribeckExponent, 2.0);
+        [plain, falling]
+    }
+
+    /// The law that made the force leaves nothing; one without its Stribeck rise of a half leaves more than a twentieth
+    /// of it, five times the accuracy assumed (25 in χ² a residual).
+    #[test]
+    fn the_law_is_judged_without_a_period() {
+        let [plain, falling] = laws();
         // A part begins with another state than at rest; its first tenth, a period of the motion, wears that off.
         for (most, rest) in [(4096, 1e-9), (1024, 1e-3)] {
             let contact = SeriesContact::new(&series(&falling), (20.0, 0.0), (false, most)).unwrap();
@@ -356,11 +362,7 @@ mod tests {
     /// the force. With the drift free the law that made the force leaves a hundredth, and another one what it lacks.
     #[test]
     fn a_drift_that_no_sensor_sees_is_not_the_laws() {
-        let plain: ModifiedLaw<f64> = ModifiedLaw::dahl(4e4, 0.3);
-        let mut falling = plain;
-        falling.set(Hook::StribeckRise, 0.15);
-        falling.set(Hook::StribeckVelocity, 4e-3);
-        falling.set(Hook::StribeckExponent, 2.0);
+        let [plain, falling] = laws();
         let mut recovered = series(&falling);
         let whole = SeriesContact::new(&recovered, (20.0, 0.0), (false, usize::MAX)).unwrap();
         let mut drift = [0.0; SLOW];

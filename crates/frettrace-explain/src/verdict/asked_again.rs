@@ -81,13 +81,10 @@ impl<'a> Found<'a> {
         let followed = baseline.complete() || search.within_method;
         // Where both other splits contradicted it, the declared model lacks something however little shows where it is fitted.
         let done = followed && !search.series_open(&baseline) && split != Split::One;
-        let mut model = if !done {
-            search.close(&baseline)?
-        } else if let Some(better) = search.released(&baseline) {
-            better
+        let mut model = if done {
+            search.released(&baseline).unwrap_or_else(|| baseline.clone())
         } else {
-            search.rivals.clear();
-            baseline.clone()
+            search.close(&baseline)?
         };
         if let Some(better) = search.rebased(&baseline, &model) {
             if better.complete() {

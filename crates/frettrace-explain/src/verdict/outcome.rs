@@ -156,7 +156,7 @@ impl Search<'_> {
         let [before, after] = [baseline, model].map(|of| self.study.error(&of.fitted, held_out).ratio());
         // Where the formula is another one, these runs must be as near as those that were fitted.
         let near = if self.other_formula { after <= OTHER_FORMULA } else { is_followed(before, after) };
-        found > HELD_OUT && near && excess(after) <= HELD_OUT_SHARE * excess(before)
+        near && helps(found, [before, after])
     }
 
     /// Whether runs that nothing was fitted to are predicted worse than by the declared model.
@@ -257,6 +257,12 @@ impl Search<'_> {
             })
             .collect()
     }
+}
+
+/// Whether runs that nothing was fitted to are better off: by standard errors of their improvement, and by a real share of what was missing
+/// in them, told from their error over the noise before and after.
+pub(super) fn helps(improvement: f64, [before, after]: [f64; 2]) -> bool {
+    improvement > HELD_OUT && excess(after) <= HELD_OUT_SHARE * excess(before)
 }
 
 /// Whether a name, whose model follows the runs that it was fitted to, is not contradicted by those held out: their error over the noise

@@ -1,11 +1,10 @@
 //! One effect more: rounds over the contact and over everything outside it.
 
-use super::{
-    BALANCE_CALIBRATED, EASED, EVIDENCE, FINER, HELD_OUT, HELD_OUT_SHARE, NEAR, PROXY, Rival, Search, Tried,
-};
+use super::outcome::helps;
+use super::{BALANCE_CALIBRATED, EASED, EVIDENCE, FINER, NEAR, PROXY, Rival, Search, Tried};
 use crate::balance_fit::BalanceCandidate;
 use crate::effects::{ALL, Reach, Simpler};
-use crate::search::{Explained, excess};
+use crate::search::Explained;
 use crate::study::merge;
 use crate::{ExplainError, Study, Unknown};
 use frettrace_forward::accelerations::{Quantity, Setting};
@@ -365,12 +364,18 @@ impl Search<'_> {
         // What only the fitted runs ask for is an error of theirs, or of the model.
         let foretold = told
             && !held_out.is_empty()
-            && self.study.improvement(&current.fitted, &found.fitted, held_out) > HELD_OUT
-            && excess(error(&found)) <= HELD_OUT_SHARE * excess(error(current));
+            && helps(
+                self.study.improvement(&current.fitted, &found.fitted, held_out),
+                [error(current), error(&found)],
+            );
         let allowed = found.effects.last().is_some_and(|&e| self.study.case.allows(ALL[e].id()));
         self.strained = foretold && !allowed;
         self.tried.retain(|t| self.study.case.allows(t.id));
-        (foretold && allowed).then_some(found)
+        if foretold && allowed {
+            return Some(found);
+        }
+        self.rivals.clear();
+        None
     }
 
     /// The effect of a mode with another frequency or damping than declared.
