@@ -10,6 +10,8 @@ use rayon::prelude::*;
 
 /// Effects re-fitted with the whole model in each round.
 const BEST: usize = 3;
+/// Standard deviations of χ² that chance may bring.
+const CHANCE: f64 = 5.0;
 /// Growth of the error by the noise of a recovered force among the inputs: with two forces from six sensors, a fifth in variance.
 const INPUT_NOISE: f64 = 1.1;
 /// A model is complete where its error stays within this factor of the noise, over all training runs …
@@ -48,6 +50,8 @@ pub struct Explained {
     pub ratio: f64,
     /// Largest error over noise of any training run.
     pub worst: f64,
+    /// Number of real residuals of the training runs.
+    pub(crate) residuals: usize,
 }
 
 impl Explained {
@@ -94,6 +98,13 @@ impl Explained {
             && self.excess() <= DOMINANT * baseline.excess()
             && self.excess() * RIVALS <= rivals
             && !self.has_exact()
+    }
+
+    /// Whether what is left is no more than the noise of the lines, `χ²` of the data within five of its standard deviations: far stricter
+    /// than an error over the noise of all samples.
+    pub(crate) fn is_noise(&self) -> bool {
+        let count = self.residuals as f64;
+        self.fitted.fit.data_cost <= count + CHANCE * (2.0 * count).sqrt()
     }
 
     /// Whether nothing is left to explain.
@@ -190,7 +201,8 @@ impl Study<'_> {
     }
 
     pub(crate) fn judged(&self, fitted: Fitted, effects: Vec<usize>, added: Vec<Unknown>) -> Explained {
-        let count = self.residual_count() as f64;
+        let residuals = self.residual_count();
+        let count = residuals as f64;
         // Runs without a period judge the law by what was recovered of them.
         let series = self.series_cost(&fitted.setting);
         let criterion = fitted.fit.cost + series + fitted.unknowns.len() as f64 * count.ln();
@@ -200,7 +212,7 @@ impl Study<'_> {
             / allowance;
         let ratio = self.error(&fitted, &self.training).ratio() / allowance;
         let sensors = vec![None; effects.len()];
-        Explained { effects, sensors, fitted, counts: Vec::new(), added, criterion, ratio, worst }
+        Explained { effects, sensors, fitted, counts: Vec::new(), added, criterion, ratio, worst, residuals }
     }
 
     /// A simpler effect in the place of the last one of a fitted model, with the whole model.

@@ -179,24 +179,59 @@ impl<'a> Study<'a> {
     }
 
     /// The same study on a finer phase grid with twice the lines of contact force: kinks that a law with play, stops or a
-    /// steep rise makes need them.
+    /// steep rise makes need them. `None` where no run can have more.
     ///
     /// # Errors
     /// [`ExplainError::Model`] where the grid cannot carry the lines.
-    pub fn refined(&self) -> Result<Self, ExplainError> {
+    pub fn refined(&self) -> Result<Option<Self>, ExplainError> {
         let mut runs = self.model.runs.clone();
-        for run in &mut runs {
+        let mut finer = false;
+        for run in runs.iter_mut().filter(|run| 2 * run.contact_order <= FINEST_LINES) {
             run.contact_order *= 2;
-            run.samples = (2 * run.samples).min(4096);
+            run.samples = (2 * run.samples).min(FINEST_SAMPLES);
+            finer = true;
         }
-        Ok(Self {
+        let model = self.model.with_runs(runs)?;
+        Ok(finer.then(|| self.of_model(model)))
+    }
+
+    /// Counts the error of the phase grid among the deviations of the lines. Twice the lines of force divide it by about three, so
+    /// that this grid leaves half of what parts its predictions from those of the `coarser` one.
+    pub fn doubt_grid(&mut self, coarser: &Self, fitted: &Fitted) {
+        let all: Vec<usize> = self.training.iter().chain(&self.held_out).copied().collect();
+        let [before, now] = [coarser, &*self].map(|study| study.predictions(fitted, &all));
+        for ((&run, before), now) in all.iter().zip(before).zip(now) {
+            let (Some(before), Some(now)) = (before, now) else { continue };
+            let known = &self.case.records[run].lines.deviation;
+            let lines = before.iter().zip(&now).zip(known).zip(&mut self.model.runs[run].deviation);
+            for (((before, now), known), deviation) in lines {
+                for (h, std) in deviation.iter_mut().enumerate() {
+                    *std = known[h].hypot((before[h] - now[h]).norm() * GRID_LEFT);
+                }
+            }
+        }
+    }
+
+    /// The same study with all its runs among those that are fitted.
+    ///
+    /// # Errors
+    /// [`ExplainError::Model`] as above.
+    pub(crate) fn of_all_runs(&self) -> Result<Self, ExplainError> {
+        let mut all = self.of_model(self.model.with_runs(self.model.runs.clone())?);
+        all.training.append(&mut all.held_out);
+        all.training.sort_unstable();
+        Ok(all)
+    }
+
+    fn of_model(&self, model: AccelerationModel) -> Self {
+        Self {
             case: self.case,
-            model: self.model.with_runs(runs)?,
+            model,
             training: self.training.clone(),
             held_out: self.held_out.clone(),
             scales: self.scales,
             series: self.series.clone(),
-        })
+        }
     }
 
     /// χ² of the law on the runs that are not periodic. They were recovered with what is declared: where a model has another
@@ -334,6 +369,13 @@ impl<'a> Study<'a> {
 const RIGID_LINES: usize = 64;
 /// … and at most.
 const MOST_RIGID_LINES: usize = 256;
+
+/// Lines of contact force from which none are added: the factor of a balance takes the cube of them.
+const FINEST_LINES: usize = 1536;
+/// Share of the difference between the predictions of two grids, one twice as fine as the other, that the finer one leaves.
+const GRID_LEFT: f64 = 0.5;
+/// Most samples of the phase grid.
+const FINEST_SAMPLES: usize = 8192;
 
 /// Lines of a run for the model. The force of a contact that is set-valued at rest has kinks however little of them the
 /// sensors show: it gets twice the lines of one that yields.

@@ -8,8 +8,8 @@ use std::f64::consts::TAU;
 
 use frettrace_beam::{Boundary, ModalModel, ModalOptions, UniformBeam};
 use frettrace_explain::{
-    Case, ChannelFault, Control, DeclaredModes, Outcome, Place, Question, RunRecord, RunSamples, Verdict,
-    controls, explain, records,
+    Case, ChannelFault, Control, DeclaredModes, Outcome, Place, Question, RunRecord, RunSamples, Split,
+    Study, Verdict, controls, explain, records,
 };
 use frettrace_forward::accelerations::Rig;
 use frettrace_forward::march::Characteristic;
@@ -168,6 +168,40 @@ fn coulomb_friction_needs_no_effect_to_be_met() {
     assert_eq!(outcome.verdict, Verdict::NothingMissing, "{:?}", outcome.effects);
     let found = outcome.model.fitted.setting.law.get(Hook::MuKinetic).unwrap();
     assert!((found / 0.25 - 1.0).abs() < 2e-3, "{found}");
+}
+
+/// Twice the lines divide the error of a rigid contact's phase grid by about three: half of what parts two grids is more than what parts the
+/// finer one from one that is finer still. It is counted among the deviations of the lines, beside the noise.
+#[test]
+fn a_phase_grid_is_doubted_by_what_it_leaves() {
+    let parameters = BTreeMap::from([("mu_k".to_owned(), 0.25)]);
+    let mut rig = rig();
+    rig.law = SimulatedLaw::Declared(Law::Coulomb.with_named(&parameters).unwrap());
+    let mut case = declared(&rig, &measured(&rig, &LEVELS));
+    case.law = Family::Coulomb;
+    let (study, setting) = Study::new(&case, Split::First).unwrap();
+    let fitted = study.fit(setting, &case.unknowns(), &study.model.memory(), 10).unwrap();
+    let mut finer = study.refined().unwrap().unwrap();
+    finer.doubt_grid(&study, &fitted);
+    let finest = finer.refined().unwrap().unwrap();
+    let runs = study.training.clone();
+    let [now, next] = [&finer, &finest].map(|study| study.predictions(&fitted, &runs));
+    let mut slid = 0;
+    for ((&run, now), next) in runs.iter().zip(now).zip(next) {
+        let known = &case.records[run].lines.deviation;
+        let (mut left, mut doubted) = (0.0, 0.0);
+        for (s, (now, next)) in now.unwrap().iter().zip(next.unwrap()).enumerate() {
+            for (h, (now, next)) in now.iter().zip(next).enumerate() {
+                let std = finer.model.runs[run].deviation[s][h];
+                assert!(std >= known[s][h]);
+                left += (now - next).norm_sqr();
+                doubted += std * std - known[s][h] * known[s][h];
+            }
+        }
+        assert!(left <= doubted, "run {run}: {left:.2e} {doubted:.2e}");
+        slid += usize::from(doubted > 0.0);
+    }
+    assert!(slid > 0);
 }
 
 /// A rigid contact with more friction than any level asks for holds all the time: nothing of its law shows but that, and no law

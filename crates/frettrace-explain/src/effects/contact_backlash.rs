@@ -34,4 +34,8 @@ impl Effect for ContactBacklash {
             .map(|share| ContactForm::new(vec![Change::positive(Hook::Backlash, share * scales.slip, 1e-4)]))
             .into()
     }
+
+    fn shape(&self, _scales: &Scales) -> Vec<Change> {
+        vec![Change::between(Hook::BacklashPower, 5.0, (1.0, 60.0))]
+    }
 }

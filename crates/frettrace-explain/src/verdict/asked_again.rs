@@ -40,6 +40,11 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
         if !again {
             break;
         }
+        // A name may not be sought for what other values of the declared law do.
+        if next == Split::One && found.is_of_one_law() {
+            found.search.of_one_law = true;
+            break;
+        }
         split = next;
         missed.push(format!(
             "the model of the fitted runs missed the {} held out by {:.2} times the noise: these are among the fitted ones now, and others are held out",
@@ -107,6 +112,13 @@ impl<'a> Found<'a> {
     /// Whether the declared model follows the runs it was fitted to and misses those held out.
     fn contradicted(&self) -> bool {
         self.model.effects.is_empty() && self.model.complete() && self.held_out_ratio() > CONTRADICTED
+    }
+
+    /// Whether one set of values of the declared law follows all runs: those it was fitted to did not tell them well enough to foretell
+    /// the others, and that is all.
+    fn is_of_one_law(&self) -> bool {
+        let all = || self.search.study.of_all_runs().ok()?.polished(&self.model).ok();
+        self.contradicted() && all().is_some_and(|joint| joint.complete() && joint.is_noise())
     }
 
     /// Whether the runs held out hold far more of what is lacking than those that were searched: nothing was found, or something whose

@@ -148,6 +148,13 @@ impl Search<'_> {
         }
         if claimed == 0 {
             let error = self.study.error(&model.fitted, held_out);
+            if self.of_one_law {
+                self.notes.push(format!(
+                    "the fitted runs leave the values too uncertain to foretell those held out ({:.2} times the noise): one set of values follows all of them within the noise",
+                    error.ratio()
+                ));
+                return true;
+            }
             return error.ratio() <= BORNE_OUT || self.within_method && by_method(model, error);
         }
         let found = self.study.improvement(&baseline.fitted, &model.fitted, held_out);

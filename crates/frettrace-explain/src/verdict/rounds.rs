@@ -238,7 +238,7 @@ impl Search<'_> {
         if self.refined == 0
             && !found.iter().any(Explained::complete)
             && least(found) < NEAR * NEAR
-            && let Ok(study) = self.study.refined()
+            && let Ok(Some(study)) = self.study.refined()
         {
             let finer = ended(&study, &found[..close]);
             if least(&finer) < FINER * least(found) {

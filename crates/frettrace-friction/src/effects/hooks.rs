@@ -1,7 +1,7 @@
 //! The parameters of the modified law.
 
 /// Number of hooks.
-pub const HOOKS: usize = 61;
+pub const HOOKS: usize = 62;
 
 /// A parameter of [`ModifiedLaw`](super::ModifiedLaw): those of the declared laws first, then those of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -130,6 +130,9 @@ pub enum Hook {
     PositionPower,
     /// Sharpness `k` of the periodic change with slip, `asin(k w)/asin k` of its wave `w`: 0 leaves the wave, 1 is a triangle.
     PeriodicSharpness,
+    /// Power `n` with which play closes, `dw = max(y·sgn v, 0)ⁿ du` with `y = (u − w)/β` and half the play `β` (Bouc and Wen's element with
+    /// `γ = ½`): without it all at once.
+    BacklashPower,
 }
 
 impl Hook {
@@ -196,6 +199,7 @@ impl Hook {
         Self::AsymmetryPower,
         Self::PositionPower,
         Self::PeriodicSharpness,
+        Self::BacklashPower,
     ];
 
     /// Value at which the hook adds nothing, where it measures the size of an effect; `None` for shapes, times and scales.
@@ -289,6 +293,7 @@ impl Hook {
             Self::AsymmetryPower => ("asymmetry_power", "1"),
             Self::PositionPower => ("position_power", "1"),
             Self::PeriodicSharpness => ("periodic_sharpness", "1"),
+            Self::BacklashPower => ("backlash_power", "1"),
             Self::FilmExponent => ("film_exponent", "1"),
             Self::FilmRational => ("film_rational_share", "1"),
             Self::AgeingSaturation => ("ageing_saturation", "1"),

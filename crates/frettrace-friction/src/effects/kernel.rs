@@ -117,11 +117,62 @@ pub(super) fn powered<T: Scalar>(mut ratio: T, exponent: T, xi: T) -> T {
     ratio
 }
 
+/// Play `y` that closes gradually, `dy = (1 − max(y, 0)ⁿ)dξ`: exact up to the middle, from there by the classical Runge-Kutta rule in
+/// steps of at most a quarter and of `1/n`.
+pub(super) fn closing<T: Scalar>(mut place: T, power: T, mut xi: T) -> T {
+    if place.re() < 0.0 {
+        if xi.re() <= -place.re() {
+            return place + xi;
+        }
+        xi += place;
+        place = T::from(0.0);
+    }
+    // Where it is closed to e⁻⁴⁰ it stays.
+    let closed = 1.5 + 40.0 / power.re();
+    if xi.re() > closed {
+        xi = T::from(closed);
+    }
+    let count = (xi.re() * power.re().max(4.0)).ceil().max(1.0);
+    let h = xi / count;
+    let flow = |y: T| {
+        let open = if y.re() > 0.0 { y } else { T::from(0.0) };
+        -taken(open, power) + 1.0
+    };
+    for _ in 0..count as usize {
+        let k1 = flow(place);
+        let k2 = flow(place + k1 * h * 0.5);
+        let k3 = flow(place + k2 * h * 0.5);
+        let k4 = flow(place + k3 * h);
+        place += (k1 + (k2 + k3) * 2.0 + k4) * h / 6.0;
+    }
+    place
+}
+
+/// Share of a motion that play hands on where it is closed as far as `place`, `max(y, 0)ⁿ`.
+pub(super) fn taken<T: Scalar>(place: T, power: T) -> T {
+    if place.re() <= 0.0 { T::from(0.0) } else { (place.ln() * power).exp() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::Gradient;
     use num_dual::DualNum;
+
+    /// `n = 1`: `y = 1 − e^{−ξ}` from the middle; `n = 2`: `y = tanh ξ`; before the middle `y = y₀ + ξ`. The rule's error with steps of
+    /// a quarter is below 1e-4.
+    #[test]
+    fn play_closes_as_its_formula_says() {
+        for xi in [0.05, 0.4, 1.3, 6.0, 200.0] {
+            for (power, expected) in [(1.0, -f64::exp_m1(-xi)), (2.0, xi.tanh())] {
+                for from in [0.0, -0.7] {
+                    let found = closing(from, power, xi - from);
+                    assert!((found - expected).abs() < 1e-4, "{power} {xi}: {found} against {expected}");
+                }
+            }
+        }
+        assert_eq!(closing(-0.7, 3.0, 0.5), -0.7 + 0.5);
+    }
 
     /// The relaxation written out operation by operation, value and derivatives, on both sides of its series.
     #[test]

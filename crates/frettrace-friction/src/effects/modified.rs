@@ -7,7 +7,7 @@
 //! monotone and rate-independent laws depend on slip alone.
 
 use super::hooks::{HOOKS, Hook};
-use super::kernel::relax;
+use super::kernel::{closing, relax, taken};
 use super::leg::Leg;
 use crate::law::{FrictionLaw, Scalar, Step};
 
@@ -192,10 +192,35 @@ impl<T: Scalar> ModifiedLaw<T> {
         if !self.on(Hook::Backlash) {
             return (Stretch { slip: step.slip, velocity: step.velocity, normal, dt }, step.slip[1]);
         }
-        let (caught, dragged) = self.engage(engaged, step.slip[1]);
-        // Held by the play: a chord without reversal.
-        let velocity = if dragged { step.velocity } else { [T::from(0.0); 2] };
+        let (caught, velocity) = self.catch(engaged, step);
         (Stretch { slip: [engaged, caught], velocity, normal, dt }, caught)
+    }
+
+    /// The engaged slip after a step, and its velocity at both ends.
+    pub(super) fn catch(&self, engaged: T, step: &Step<T>) -> (T, [T; 2]) {
+        let play = self.at(Hook::Backlash);
+        if !self.on(Hook::BacklashPower) || play.re() <= 0.0 {
+            let (caught, dragged) = self.engage(engaged, step.slip[1]);
+            // Held by the play: a chord without reversal.
+            return (caught, if dragged { step.velocity } else { [T::from(0.0); 2] });
+        }
+        let power = self.at(Hook::BacklashPower);
+        let handed = |place: T, v: T| v * taken(place * sense(v), power);
+        let begun = (step.slip[0] - engaged) / play;
+        let whole = Stretch {
+            slip: step.slip,
+            velocity: step.velocity,
+            normal: [T::from(0.0); 2],
+            dt: T::from(step.dt),
+        };
+        let (first, second) = whole.cut();
+        let closed = std::iter::once(first).chain(second).fold(begun, |place, part| {
+            let sign = part.sign();
+            let travel = (part.slip[1] - part.slip[0]) * sign / play;
+            closing(place * sign, power, travel) * sign
+        });
+        let velocity = [handed(begun, step.velocity[0]), handed(closed, step.velocity[1])];
+        (step.slip[1] - play * closed, velocity)
     }
 
     /// From the old sample to the new one under the given circumstance.

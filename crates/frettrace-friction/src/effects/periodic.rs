@@ -132,13 +132,9 @@ impl ModifiedLaw<f64> {
     fn legs(&self, along: &Periodic<'_>, mut engaged: f64) -> (Vec<Leg<f64>>, Vec<usize>, f64) {
         let samples = along.slip.len();
         if self.on(Hook::Backlash) {
-            // One period of a given slip leads its play where every later one does.
-            engaged = along
-                .slip
-                .iter()
-                .skip(1)
-                .chain(along.slip.first())
-                .fold(engaged, |x, u| self.engage(x, *u).0);
+            // One period of a given slip leads its play where every later one does, unless it closes gradually.
+            let period = |x: f64| (0..samples).fold(x, |x, k| self.catch(x, &along.step(k)).0);
+            engaged = if self.on(Hook::BacklashPower) { close(engaged, period) } else { period(engaged) };
         }
         let begun = engaged;
         let mut legs: Vec<Leg<f64>> = Vec::with_capacity(samples + 16);

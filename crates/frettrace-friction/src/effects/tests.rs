@@ -327,6 +327,7 @@ fn zoo() -> Vec<ModifiedLaw<f64>> {
         ),
         (dahl, vec![(Hook::AgeingGain, 0.1), (Hook::AgeingTime, 1e-3), (Hook::AgeingDistance, 2e-6)]),
         (hybrid, vec![(Hook::Backlash, 4e-6)]),
+        (dahl, vec![(Hook::Backlash, 3e-7), (Hook::BacklashPower, 3.0)]),
         (lugre, vec![(Hook::Backlash, 4e-6), (Hook::ParallelStiffness, 1e4)]),
         (lugre, vec![(Hook::ForceLag, 2e-3)]),
         (

@@ -112,10 +112,12 @@ fn refined(study: &mut Study<'_>, mut fitted: Fitted) -> Fitted {
         if !fitted.setting.holds_rigidly() || fitted.fit.data_cost <= enough {
             break;
         }
-        let Ok(finer) = study.refined() else { break };
+        let Ok(Some(mut finer)) = study.refined() else { break };
         let found = finer.fit(fitted.setting.clone(), &fitted.unknowns, &finer.model.memory(), POLISH);
         let Some(found) = found.ok().filter(|found| found.fit.cost < fitted.fit.cost) else { break };
-        (*study, fitted) = (finer, found);
+        finer.doubt_grid(study, &found);
+        let doubted = finer.fit(found.setting.clone(), &found.unknowns, &found.memory, POLISH);
+        (*study, fitted) = (finer, doubted.unwrap_or(found));
     }
     fitted
 }
