@@ -351,6 +351,23 @@ impl<'a> Study<'a> {
         gain / (2.0 * (moved * inflation).sqrt()).max(f64::MIN_POSITIVE)
     }
 
+    /// χ² per residual that a model leaves in the training runs at one sensor, and at the others together.
+    pub(crate) fn left_at(&self, fitted: &Fitted, sensor: usize) -> [LeftLines; 2] {
+        let mut left = [LeftLines::default(); 2];
+        for (&run, prediction) in self.training.iter().zip(self.predictions(fitted, &self.training)) {
+            let Some(predicted) = prediction else { continue };
+            let lines = &self.model.runs[run];
+            for (s, deviation) in lines.deviation.iter().enumerate() {
+                let left = &mut left[usize::from(s != sensor)];
+                for (h, std) in deviation.iter().enumerate().skip(1) {
+                    left.chi_squared += ((lines.acceleration[s][h] - predicted[s][h]) / std).norm_sqr();
+                    left.count += 2.0;
+                }
+            }
+        }
+        left
+    }
+
     /// Error of the selected runs together.
     #[must_use]
     pub fn error(&self, fitted: &Fitted, selected: &[usize]) -> RunError {
@@ -362,6 +379,26 @@ impl<'a> Study<'a> {
             power: sum.power + e.power,
             count: sum.count + e.count,
         })
+    }
+}
+
+/// χ² that a model leaves on some lines.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LeftLines {
+    pub chi_squared: f64,
+    /// Real residuals.
+    pub count: f64,
+}
+
+impl LeftLines {
+    /// What is left beside the noise, per residual.
+    pub fn excess(self) -> f64 {
+        self.chi_squared / self.count.max(1.0) - 1.0
+    }
+
+    /// Standard deviation of that by chance.
+    pub fn chance(self) -> f64 {
+        (2.0 / self.count.max(1.0)).sqrt()
     }
 }
 

@@ -1,8 +1,10 @@
 //! Sums over `e^{ihθj}` for many lines `h` and samples `j`, in blocks.
 //!
 //! With `j = 64a + b`, `Σ_j x_j e^{−ihθj} = Σ_a e^{−ih64θa} Σ_b e^{−ihθb} x_{64a+b}`: only two small tables of phasors
-//! are needed, and the inner sum is a plain product of matrices. Base frequencies need not fit the record.
+//! are needed, and the inner sums are one product of matrices. Base frequencies need not fit the record.
 
+use faer::linalg::matmul::matmul;
+use faer::{Accum, MatMut, MatRef, Par};
 use num_complex::Complex64;
 
 const BLOCK: usize = 64;
@@ -34,15 +36,12 @@ impl Phasors {
 
     /// `X_h = Σ_j x_j e^{−ihθj}` for all lines.
     pub(crate) fn transform(&self, x: &[f64]) -> Vec<Complex64> {
+        let mut samples = x.to_vec();
+        samples.resize(x.len().div_ceil(BLOCK) * BLOCK, 0.0);
         let mut sums = vec![Complex64::ZERO; self.lines];
-        let mut block = vec![0.0; 2 * self.lines];
-        for (part, turn) in x.chunks(BLOCK).zip(self.outer.chunks(self.lines)) {
-            block.fill(0.0);
-            for (value, row) in part.iter().zip(self.inner.chunks(2 * self.lines)) {
-                for (sum, phasor) in block.iter_mut().zip(row) {
-                    *sum += value * phasor;
-                }
-            }
+        let mut blocks = vec![0.0; samples.len() / BLOCK * 2 * self.lines];
+        product(self.inner(), blocks_of(&samples, BLOCK), &mut blocks);
+        for (block, turn) in blocks.chunks(2 * self.lines).zip(self.outer.chunks(self.lines)) {
             let (cosine, sine) = block.split_at(self.lines);
             for (((sum, c), s), z) in sums.iter_mut().zip(cosine).zip(sine).zip(turn) {
                 *sum += Complex64::new(*c, -*s) * z.conj();
@@ -53,18 +52,35 @@ impl Phasors {
 
     /// `x_j = Re Σ_h X_h e^{ihθj}`; coefficients beyond the lines of the table are left out.
     pub(crate) fn synthesise(&self, coefficients: &[Complex64], x: &mut [f64]) {
-        let mut turned = vec![0.0; 2 * self.lines];
-        for (part, turn) in x.chunks_mut(BLOCK).zip(self.outer.chunks(self.lines)) {
+        let count = x.len().div_ceil(BLOCK);
+        let mut turned = vec![0.0; count * 2 * self.lines];
+        for (turned, turn) in turned.chunks_mut(2 * self.lines).zip(self.outer.chunks(self.lines)) {
             let (cosine, sine) = turned.split_at_mut(self.lines);
             for (((c, s), z), value) in cosine.iter_mut().zip(sine).zip(turn).zip(coefficients) {
                 let here = value * z;
                 (*c, *s) = (here.re, -here.im);
             }
-            for (value, row) in part.iter_mut().zip(self.inner.chunks(2 * self.lines)) {
-                *value = dot(&turned, row);
-            }
         }
+        let mut samples = vec![0.0; count * BLOCK];
+        product(self.inner().transpose(), blocks_of(&turned, 2 * self.lines), &mut samples);
+        x.copy_from_slice(&samples[..x.len()]);
     }
+
+    /// The phasors within a block: cosines and sines of all lines, a column each sample.
+    fn inner(&self) -> MatRef<'_, f64> {
+        MatRef::from_column_major_slice(&self.inner, 2 * self.lines, BLOCK)
+    }
+}
+
+/// Values as columns of the given length.
+fn blocks_of(values: &[f64], length: usize) -> MatRef<'_, f64> {
+    MatRef::from_column_major_slice(values, length, values.len() / length)
+}
+
+/// Product of two matrices into columns one after the other.
+fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>, out: &mut [f64]) {
+    let into = MatMut::from_column_major_slice_mut(out, a.nrows(), b.ncols());
+    matmul(into, Accum::Replace, a, b, 1.0, Par::Seq);
 }
 
 /// `e^{ihφ}` for `h = 0 … lines − 1` by products of one turn, anew from the definition every sixteen: rounding stays below a
@@ -77,19 +93,6 @@ fn powers(phi: f64, lines: usize) -> impl Iterator<Item = Complex64> {
         now = if h % ANEW == 0 { Complex64::cis(phi * h as f64) } else { now * turn };
         now
     })
-}
-
-/// Scalar product with four partial sums, which the compiler keeps in registers.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 4];
-    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
-    let tail: f64 = a4.remainder().iter().zip(b4.remainder()).map(|(x, y)| x * y).sum();
-    for (x, y) in a4.zip(b4) {
-        for i in 0..4 {
-            sums[i] += x[i] * y[i];
-        }
-    }
-    sums.iter().sum::<f64>() + tail
 }
 
 #[cfg(test)]

@@ -51,6 +51,9 @@ impl Recovered {
         let used = law.states();
         let free = LANES - used;
         let mut reached = Reached::default();
+        let first = [&self.slip, &self.velocity, &self.normal].map(|series| Gradient::constant(series[0]));
+        let began =
+            law.kept(first.into(), &along, state).map(|state| state.map_or([0.0; LANES], |s| s.slopes));
         let mut state = ModifiedState(std::array::from_fn(|i| {
             if i < used { Gradient::variable(state.0[i], free + i) } else { Gradient::constant(state.0[i]) }
         }));
@@ -73,7 +76,8 @@ impl Recovered {
         }
         let period = Monodromy::new(used, |i, j| state.0[i].slopes[free + j]);
         let moved: [[f64; STATES]; LANES] = std::array::from_fn(|lane| {
-            period.settle(std::array::from_fn(|i| if i < used { state.0[i].slopes[lane] } else { 0.0 }))
+            let reached = std::array::from_fn(|i| if i < used { state.0[i].slopes[lane] } else { 0.0 });
+            period.settle(reached, began.map(|state| state[lane]))
         });
         for force in &mut force {
             let own = force.slopes;

@@ -5,14 +5,17 @@ use super::{
     Search, by_method,
 };
 use crate::effects::{ALL, EffectPlace};
-use crate::search::{DOMINANT, Explained, OTHER_FORMULA, excess};
-use crate::study::as_declared;
+use crate::search::{CHANCE, DOMINANT, Explained, OTHER_FORMULA, excess};
+use crate::study::{LeftLines, as_declared};
 use crate::{ChannelFault, RunError};
 use frettrace_forward::accelerations::Quantity;
 
 /// Share of what a closed balance holds beside the noise that one more free value a line may leave, where it is the place of what is
 /// missing.
 const TAKEN: f64 = 0.5;
+
+/// Factor by which what is left at one sensor must exceed what is left at the others.
+const ALONE: f64 = 10.0;
 
 /// The outcome.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,7 +94,8 @@ impl Search<'_> {
         let by_method = self.within_method && model.effects.is_empty();
         let near = model.complete() || model.sufficient(&baseline) || self.other_formula || by_method;
         let filled = near && borne_out;
-        let complete = filled && !nameless && !self.strained;
+        let misread = self.misread(&model);
+        let complete = filled && !nameless && !self.strained && !misread;
         let verdict = match (model.effects.is_empty() && named.is_empty(), complete) {
             (true, true) => Verdict::NothingMissing,
             (false, true) => Verdict::Explained,
@@ -101,7 +105,7 @@ impl Search<'_> {
             Verdict::NothingMissing => None,
             Verdict::Explained if model.effects.is_empty() => Some(EffectPlace::Measurement),
             Verdict::Explained => model.effects.first().map(|&e| ALL[e].place()),
-            Verdict::Unexplained if nameless && filled => Some(EffectPlace::Measurement),
+            Verdict::Unexplained if (nameless || misread) && filled => Some(EffectPlace::Measurement),
             Verdict::Unexplained if self.strained => Some(EffectPlace::Structure),
             Verdict::Unexplained => Some(self.place(&model)),
         };
@@ -149,10 +153,7 @@ impl Search<'_> {
         if claimed == 0 {
             let error = self.study.error(&model.fitted, held_out);
             if self.of_one_law {
-                self.notes.push(format!(
-                    "the fitted runs leave the values too uncertain to foretell those held out ({:.2} times the noise): one set of values follows all of them within the noise",
-                    error.ratio()
-                ));
+                self.notes.push(of_one(error.ratio()));
                 return true;
             }
             return error.ratio() <= BORNE_OUT || self.within_method && by_method(model, error);
@@ -162,8 +163,40 @@ impl Search<'_> {
             .push(format!("held-out runs improve by {found:.1} standard errors; a claim needs {HELD_OUT}"));
         let [before, after] = [baseline, model].map(|of| self.study.error(&of.fitted, held_out).ratio());
         // Where the formula is another one, these runs must be as near as those that were fitted.
-        let near = if self.other_formula { after <= OTHER_FORMULA } else { is_followed(before, after) };
-        near && helps(found, [before, after])
+        if !helps(found, [before, after]) {
+            return false;
+        }
+        match self.other_formula {
+            true => after <= OTHER_FORMULA,
+            false => is_followed(before, after) || self.is_of_one_model(model, after),
+        }
+    }
+
+    /// Whether one set of values of a model, by which held-out runs are helped but not followed, follows all runs, and leaves no more beside
+    /// the noise of their lines than that is: what was missed is what the fitted runs do not tell of the values.
+    fn is_of_one_model(&mut self, model: &Explained, after: f64) -> bool {
+        let joint = || self.study.of_all_runs().ok()?.polished(model).ok();
+        let follows =
+            model.complete() && joint().is_some_and(|joint| joint.complete() && joint.is_near_noise());
+        if follows {
+            self.notes.push(of_one(after));
+        }
+        follows
+    }
+
+    /// Whether a sensor that has a named fault with one formula only is still the one that the model misses: it has another fault.
+    fn misread(&mut self, model: &Explained) -> bool {
+        let exact = model.effects.iter().zip(&model.sensors).filter(|(effect, _)| ALL[**effect].is_exact());
+        let sensors: Vec<usize> = exact.filter_map(|(_, sensor)| *sensor).collect();
+        let misread = sensors.into_iter().find(|&sensor| {
+            let left = self.study.left_at(&model.fitted, sensor);
+            stays_with_sensor(left)
+        });
+        if let Some(sensor) = misread {
+            self.notes
+                .push(format!("sensor {} is still read wrong beyond the noise, and no other is", sensor + 1));
+        }
+        misread.is_some()
     }
 
     /// Whether runs that nothing was fitted to are predicted worse than by the declared model.
@@ -266,6 +299,13 @@ impl Search<'_> {
     }
 }
 
+/// What is said of runs held out that are missed by so many times the noise, where one set of values follows all runs.
+fn of_one(missed: f64) -> String {
+    format!(
+        "the fitted runs leave the values too uncertain to foretell those held out ({missed:.2} times the noise): one set of values follows all of them within the noise"
+    )
+}
+
 /// Whether runs that nothing was fitted to are better off: by standard errors of their improvement, and by a real share of what was missing
 /// in them, told from their error over the noise before and after.
 pub(super) fn helps(improvement: f64, [before, after]: [f64; 2]) -> bool {
@@ -282,6 +322,12 @@ pub(super) fn is_followed(before: f64, after: f64) -> bool {
 /// with it.
 fn stays_with_contact(reduced: f64, left: f64) -> bool {
     left - 1.0 > TAKEN * (reduced - 1.0)
+}
+
+/// Whether what is left is left at one sensor: more than chance brings, and far more than at the others, so that the model of the rig has no
+/// part in it.
+fn stays_with_sensor([own, others]: [LeftLines; 2]) -> bool {
+    own.excess() > CHANCE * own.chance() && own.excess() > ALONE * others.excess().max(others.chance())
 }
 
 /// A fault of a channel as a named effect: it was seen in the samples themselves.
@@ -333,7 +379,31 @@ fn parameters(model: &Explained, place: usize) -> Vec<(String, String, f64, f64)
 
 #[cfg(test)]
 mod tests {
-    use super::{is_followed, stays_with_contact};
+    use super::{is_followed, stays_with_contact, stays_with_sensor};
+    use crate::study::LeftLines;
+
+    /// χ² and residuals at the sensor with a named gain, and at the others, of three simulated rigs where that sensor hears another one;
+    /// then of the noise alone, of a model that misses all sensors, and of what chance may leave at one.
+    #[test]
+    fn what_a_gain_leaves_at_its_sensor_alone_is_another_fault() {
+        let left = |[own, others]: [[f64; 2]; 2]| {
+            [own, others].map(|[chi_squared, count]| LeftLines { chi_squared, count })
+        };
+        for alone in [
+            [[3692.0, 480.0], [2365.0, 2400.0]],
+            [[518.0, 176.0], [1054.0, 1056.0]],
+            [[3682.0, 296.0], [2780.0, 1480.0]],
+        ] {
+            assert!(stays_with_sensor(left(alone)), "{alone:?}");
+        }
+        for other in [
+            [[480.0, 480.0], [2400.0, 2400.0]],
+            [[900.0, 480.0], [3500.0, 2400.0]],
+            [[530.0, 480.0], [2400.0, 2400.0]],
+        ] {
+            assert!(!stays_with_sensor(left(other)), "{other:?}");
+        }
+    }
 
     /// Held-out errors over the noise of simulated rigs: quadratic damping, taken from the list, leaves viscous friction as what is
     /// nearest to it (two rigs); presliding damping and asymmetry with another formula are what acts.

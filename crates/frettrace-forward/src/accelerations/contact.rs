@@ -42,6 +42,10 @@ pub(super) struct Local {
     pub force: [f64; WIDTH],
 }
 
+/// Derivatives of the states with which the settled period starts, where these are still what the contact came to from rest: one that
+/// forgets nothing keeps them. By the motion at the first sample, and by the parameters, as in [`Local`]; 0 elsewhere.
+pub(super) type Begun = [[f64; WIDTH]; STATES];
+
 impl Local {
     pub const MOTION: usize = STATES;
     pub const TRIAL: usize = STATES + 6;
@@ -76,18 +80,18 @@ impl Contact<'_> {
         self.law.settle(&self.along(motion), force)
     }
 
-    /// Local derivatives of every step of the settled period.
+    /// Local derivatives of every step of the settled period, and those of the state with which it starts.
     pub fn locals(
         &self,
         motion: &Motion,
         start: ModifiedState<f64>,
         hooks: &[Hook],
         locals: &mut Vec<Local>,
-    ) {
+    ) -> Begun {
         if hooks.is_empty() {
-            self.locals_in::<BARE>(motion, start, hooks, locals);
+            self.locals_in::<BARE>(motion, start, hooks, locals)
         } else {
-            self.locals_in::<WIDTH>(motion, start, hooks, locals);
+            self.locals_in::<WIDTH>(motion, start, hooks, locals)
         }
     }
 
@@ -98,13 +102,17 @@ impl Contact<'_> {
         start: ModifiedState<f64>,
         hooks: &[Hook],
         locals: &mut Vec<Local>,
-    ) {
+    ) -> Begun {
         let along = self.along(motion);
         let position = |hook: Hook| hooks.iter().position(|h| *h == hook);
         let law = self.law.lift(|hook, value| match position(hook) {
             Some(p) if Local::PARAMETER + p < W => Gradient::variable(value, Local::PARAMETER + p),
             _ => Gradient::<W>::constant(value),
         });
+        let first = |at: usize, of: &[f64]| Gradient::variable(of[0], Local::MOTION + at);
+        let moved = (first(0, &motion.slip), first(2, &motion.velocity), first(4, &motion.normal));
+        let kept = law.kept(moved, &along, start);
+        let begun = kept.map(|state| state.map_or([0.0; WIDTH], |state| widened(state.slopes)));
         locals.clear();
         let mut values = start.0;
         for k in 0..motion.slip.len() {
@@ -132,5 +140,6 @@ impl Contact<'_> {
                 force: widened(force.slopes),
             });
         }
+        begun
     }
 }

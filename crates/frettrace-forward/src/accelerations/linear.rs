@@ -1,11 +1,11 @@
 //! Linearisation of one run: what the laws answer to a change of forces, motions or parameters.
 
-use super::contact::{Local, PARAMETERS};
+use super::contact::{Begun, Local, PARAMETERS};
 use super::response::{Moves, Response};
 use super::run::{Evaluation, LEAK, State, store, velocity};
 use super::setting::PortPlace;
 use frettrace_fourier::GridScratch;
-use frettrace_friction::effects::Hook;
+use frettrace_friction::effects::{Hook, STATES};
 use num_complex::Complex64;
 
 /// `L` directions side by side: motions of slip, normal force and ports on the grid, and the law parameter that changes.
@@ -28,6 +28,7 @@ pub(super) struct Direction<const L: usize> {
 pub(super) struct Tangent<'a> {
     evaluation: &'a Evaluation<'a>,
     locals: Vec<Local>,
+    begun: Begun,
     /// `∂f/∂d`, `∂f/∂ḋ` and `∂f/∂c` of every port at every sample.
     ports: Vec<Vec<super::ports::PortForce>>,
     response: Response,
@@ -38,14 +39,14 @@ impl<'a> Tangent<'a> {
         let mut locals = Vec::with_capacity(evaluation.grid.samples());
         let law = &evaluation.setting.law;
         let start = state.start.unwrap_or_else(|| law.rest_at(0.0));
-        evaluation.contact().locals(&state.contact, start, hooks, &mut locals);
+        let begun = evaluation.contact().locals(&state.contact, start, hooks, &mut locals);
         let ports = (evaluation.setting.ports.iter().zip(&state.ports))
             .map(|(port, [d, v])| {
                 d.iter().zip(v).map(|(d, v)| port.law.force(&port.coefficients, *d, *v)).collect()
             })
             .collect();
-        let response = Response::new(&locals, law.states());
-        Self { evaluation, locals, ports, response }
+        let response = Response::new(&locals, &begun, law.states());
+        Self { evaluation, locals, begun, ports, response }
     }
 
     /// The direction of given lines of motion in every row.
@@ -139,10 +140,12 @@ impl<'a> Tangent<'a> {
     ) -> Vec<[f64; L]> {
         let hook = direction.hook.filter(|h| *h < PARAMETERS).map(|h| Local::PARAMETER + h);
         let Direction { slip, velocity, trial, .. } = direction;
-        self.response.answer(&Moves { slip, velocity, normal, trial }, |k| {
+        let by_hook = |k: usize| {
             let (local, hook) = (&self.locals[k], hook?);
             Some(std::array::from_fn(|i| if i == 0 { local.force[hook] } else { local.state[i - 1][hook] }))
-        })
+        };
+        let begun = hook.map_or([0.0; STATES], |hook| self.begun.map(|state| state[hook]));
+        self.response.answer(&Moves { slip, velocity, normal, trial }, (by_hook, begun))
     }
 
     /// Change of the residual `f − Φ(f)` per unknown, column by column.

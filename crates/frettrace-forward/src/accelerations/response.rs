@@ -3,7 +3,7 @@
 //! A step's derivatives are kept side by side, only those of states that the law uses: a balance asks for hundreds of
 //! answers, and reading the derivatives is most of their cost.
 
-use super::contact::{Local, MOTIONS};
+use super::contact::{Begun, Local, MOTIONS};
 use frettrace_friction::effects::{Monodromy, STATES};
 
 /// Derivatives of all steps of a period, and what the period does to its initial state.
@@ -15,6 +15,8 @@ pub(super) struct Response {
     initial: Vec<[f64; STATES]>,
     /// What the period does to each initial state.
     period: Monodromy,
+    /// Derivatives of each initial state by the motion at the first sample, where the period keeps it.
+    begun: [[f64; MOTIONS]; STATES],
 }
 
 /// Motion of a contact in `L` directions side by side, one value a sample; what does not move is empty.
@@ -59,7 +61,7 @@ impl<const L: usize> Moves<'_, L> {
 
 impl Response {
     /// The response of a law that uses the first `used` states.
-    pub fn new(locals: &[Local], used: usize) -> Self {
+    pub fn new(locals: &[Local], begun: &Begun, used: usize) -> Self {
         let mut rows = Vec::with_capacity(locals.len() * (1 + used) * (MOTIONS + used));
         for local in locals {
             for gradient in std::iter::once(&local.force).chain(local.state.iter().take(used)) {
@@ -68,7 +70,9 @@ impl Response {
             }
         }
         let initial = vec![[0.0; STATES]; locals.len()];
-        let mut response = Self { used, rows, initial, period: Monodromy::new(0, |_, _| 0.0) };
+        let by_motion = |state: &[f64]| std::array::from_fn(|i| state[Local::MOTION + i]);
+        let begun = std::array::from_fn(|i| by_motion(&begun[i]));
+        let mut response = Self { used, rows, initial, period: Monodromy::new(0, |_, _| 0.0), begun };
         response.period = match used {
             1 => response.run_through::<1>(),
             2 => response.run_through::<2>(),
@@ -111,11 +115,11 @@ impl Response {
     }
 
     /// Change of the force over the period by the given motion, and by what a parameter adds (`by_hook`) to the force and to the
-    /// new states of each step.
+    /// new states of each step, and to the states that a contact which keeps them begins with.
     pub fn answer<const L: usize>(
         &self,
         moves: &Moves<'_, L>,
-        by_hook: impl Fn(usize) -> Option<[f64; STATES + 1]>,
+        by_hook: (impl Fn(usize) -> Option<[f64; STATES + 1]>, [f64; STATES]),
     ) -> Vec<[f64; L]> {
         match self.used {
             1 => self.answer_of::<1, L>(moves, by_hook),
@@ -128,7 +132,7 @@ impl Response {
     fn answer_of<const M: usize, const L: usize>(
         &self,
         moves: &Moves<'_, L>,
-        by_hook: impl Fn(usize) -> Option<[f64; STATES + 1]>,
+        (by_hook, begun_by_hook): (impl Fn(usize) -> Option<[f64; STATES + 1]>, [f64; STATES]),
     ) -> Vec<[f64; L]> {
         let samples = self.initial.len();
         let mut force = vec![[0.0; L]; samples];
@@ -143,10 +147,15 @@ impl Response {
                 }
             }
         }
+        // The first sample's motion alone, as if it were both ends of a step.
+        let mut kept = self.begun.map(|by| moves.change::<0>(&by, (0, 0), &[]));
+        for (kept, by) in kept.iter_mut().zip(begun_by_hook) {
+            kept.iter_mut().for_each(|kept| *kept += by);
+        }
         let mut start = [[0.0; L]; STATES];
         for lane in 0..L {
             let reached = std::array::from_fn(|i| if i < M { state[i][lane] } else { 0.0 });
-            let settled = self.period.settle(reached);
+            let settled = self.period.settle(reached, kept.map(|state| state[lane]));
             start.iter_mut().zip(settled).for_each(|(start, settled)| start[lane] = settled);
         }
         for (force, by_start) in force.iter_mut().zip(&self.initial) {

@@ -33,10 +33,13 @@ impl Monodromy {
         Self { closing: closing.lu(), stays }
     }
 
-    /// The change of the settled state, for the change `g` that one period alone makes.
+    /// The change of the settled state, for the change `g` that one period alone makes; a state that never forgets changes as what
+    /// it `began` with.
     #[must_use]
-    pub fn settle(&self, mut g: [f64; STATES]) -> [f64; STATES] {
-        g.iter_mut().zip(self.stays).for_each(|(g, stays)| *g = if stays { 0.0 } else { *g });
+    pub fn settle(&self, mut g: [f64; STATES], began: [f64; STATES]) -> [f64; STATES] {
+        for ((g, began), stays) in g.iter_mut().zip(began).zip(self.stays) {
+            *g = if stays { began } else { *g };
+        }
         let moved = self.closing.solve(&SVector::from(g)).unwrap_or_default();
         std::array::from_fn(|i| moved[i])
     }
@@ -63,12 +66,12 @@ mod tests {
     use super::*;
 
     /// `x = Φx + g` with Φ = ((½, ¼), (0, ⅕)) and g = (1, 2): x₂ = 2/0.8 = 2.5, x₁ = (1 + 2.5/4)/0.5 = 3.25. A third state that
-    /// keeps all stays.
+    /// keeps all is what it began with.
     #[test]
     fn a_change_settles_where_the_period_reproduces_it() {
         let map = [[0.5, 0.25, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 1.0]];
-        let settled = Monodromy::new(3, |i, j| map[i][j]).settle([1.0, 2.0, 7.0, 0.0]);
-        for (found, expected) in settled.iter().zip([3.25, 2.5, 0.0, 0.0]) {
+        let settled = Monodromy::new(3, |i, j| map[i][j]).settle([1.0, 2.0, 7.0, 0.0], [0.0, 0.0, 0.3, 0.0]);
+        for (found, expected) in settled.iter().zip([3.25, 2.5, 0.3, 0.0]) {
             assert!((found - expected).abs() < 1e-14, "{settled:?}");
         }
     }

@@ -9,7 +9,7 @@
 use super::hooks::Hook;
 use super::leg::{Flow, Leg};
 use super::modified::{Circumstance, End, ModifiedLaw, ModifiedState, sense};
-use super::monodromy::FORGETS;
+use super::monodromy::{FORGETS, STATES};
 use crate::law::{Scalar, Step};
 
 /// Periods after which a state counts as settled, …
@@ -77,6 +77,35 @@ impl Periodic<'_> {
     }
 }
 
+impl<T: Scalar> ModifiedLaw<T> {
+    /// The state at the first sample of a motion, slip, velocity and normal force of it as given, come to from rest along the virgin curve.
+    fn begun(&self, (slip, velocity, normal): (T, T, T), along: &Periodic<'_>) -> ModifiedState<T> {
+        let virgin =
+            Step { slip: [T::from(0.0), slip], velocity: [velocity; 2], normal: [normal; 2], dt: along.dt };
+        let last = along.slip.len() - 1;
+        self.advance(self.rest_at(T::from(0.0)), &virgin, &along.circumstance(self, last)).0
+    }
+
+    /// The state that the contact came to from rest, where the settled period still starts with it: one that forgets nothing keeps it.
+    /// `None` for each state that the period has changed.
+    #[must_use]
+    pub fn kept(
+        &self,
+        moved: (T, T, T),
+        along: &Periodic<'_>,
+        start: ModifiedState<f64>,
+    ) -> [Option<T>; STATES] {
+        if along.is_rigid(self) {
+            return [None; STATES];
+        }
+        let begun = self.begun(moved, along).0;
+        std::array::from_fn(|i| {
+            let value = begun[i].re();
+            ((start.0[i] - value).abs() <= SETTLED * value.abs()).then_some(begun[i])
+        })
+    }
+}
+
 /// A settled bristle: deflection after every step, and the friction coefficient there.
 struct Rubbed {
     start: f64,
@@ -91,14 +120,7 @@ impl ModifiedLaw<f64> {
         if along.is_rigid(self) {
             return self.settle_rigid(along, force);
         }
-        let samples = along.slip.len();
-        let virgin = Step {
-            slip: [0.0, along.slip[0]],
-            velocity: [along.velocity[0]; 2],
-            normal: [along.normal[0]; 2],
-            dt: along.dt,
-        };
-        let (begun, _) = self.advance(self.rest_at(0.0), &virgin, &along.circumstance(self, samples - 1));
+        let begun = self.begun((along.slip[0], along.velocity[0], along.normal[0]), along);
         let [b, memory, engaged, lagged] = begun.0;
         let (mut legs, of_step, engaged) = self.legs(along, engaged);
         let recalled = |memory: f64| legs.iter_mut().fold(memory, |memory, leg| leg.recall(self, memory));
