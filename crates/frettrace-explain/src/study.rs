@@ -351,7 +351,7 @@ impl<'a> Study<'a> {
         gain / (2.0 * (moved * inflation).sqrt()).max(f64::MIN_POSITIVE)
     }
 
-    /// χ² per residual that a model leaves in the training runs at one sensor, and at the others together.
+    /// What a model leaves in the training runs at one sensor, and at the others together; runs that it cannot predict are left out.
     pub(crate) fn left_at(&self, fitted: &Fitted, sensor: usize) -> [LeftLines; 2] {
         let mut left = [LeftLines::default(); 2];
         for (&run, prediction) in self.training.iter().zip(self.predictions(fitted, &self.training)) {

@@ -341,7 +341,6 @@ fn without_its_name_the_place_stays() {
     assert_eq!(nameless.place, Some(Place::Structure));
 }
 
-/// A sensor 6 % too strong is named, and without the name the place is still the measurement chain.
 /// Two channels, one of which hears a little of the other: nearly the gain of a sensor beside which all move alike, and the error of all
 /// samples together is within the noise with it. What its lines hold beyond the noise is left at that sensor alone.
 #[test]
@@ -349,10 +348,10 @@ fn cross_talk_is_no_gain() {
     let mut rig = rig();
     rig.sensors[3].cross_talk = Some(CrossTalk { from: 1, share: 0.02 });
     let outcome = explained(&rig, &[]);
-    eprintln!("{:?} {:?} {:?}", outcome.verdict, outcome.error, outcome.notes);
     assert_eq!((outcome.verdict, outcome.place), (Verdict::Unexplained, Some(Place::Measurement)));
 }
 
+/// A sensor 6 % too strong is named, and without the name the place is still the measurement chain.
 #[test]
 fn a_gain_belongs_to_its_sensor() {
     let mut rig = rig();

@@ -94,7 +94,7 @@ impl Search<'_> {
         let by_method = self.within_method && model.effects.is_empty();
         let near = model.complete() || model.sufficient(&baseline) || self.other_formula || by_method;
         let filled = near && borne_out;
-        let misread = self.misread(&model);
+        let misread = filled && self.misread(&model);
         let complete = filled && !nameless && !self.strained && !misread;
         let verdict = match (model.effects.is_empty() && named.is_empty(), complete) {
             (true, true) => Verdict::NothingMissing,
@@ -105,7 +105,7 @@ impl Search<'_> {
             Verdict::NothingMissing => None,
             Verdict::Explained if model.effects.is_empty() => Some(EffectPlace::Measurement),
             Verdict::Explained => model.effects.first().map(|&e| ALL[e].place()),
-            Verdict::Unexplained if (nameless || misread) && filled => Some(EffectPlace::Measurement),
+            Verdict::Unexplained if misread || nameless && filled => Some(EffectPlace::Measurement),
             Verdict::Unexplained if self.strained => Some(EffectPlace::Structure),
             Verdict::Unexplained => Some(self.place(&model)),
         };
@@ -188,10 +188,8 @@ impl Search<'_> {
     fn misread(&mut self, model: &Explained) -> bool {
         let exact = model.effects.iter().zip(&model.sensors).filter(|(effect, _)| ALL[**effect].is_exact());
         let sensors: Vec<usize> = exact.filter_map(|(_, sensor)| *sensor).collect();
-        let misread = sensors.into_iter().find(|&sensor| {
-            let left = self.study.left_at(&model.fitted, sensor);
-            stays_with_sensor(left)
-        });
+        let left = |sensor: usize| self.study.left_at(&model.fitted, sensor);
+        let misread = sensors.into_iter().find(|&sensor| stays_with_sensor(left(sensor)));
         if let Some(sensor) = misread {
             self.notes
                 .push(format!("sensor {} is still read wrong beyond the noise, and no other is", sensor + 1));
