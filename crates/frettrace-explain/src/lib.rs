@@ -10,6 +10,7 @@ pub(crate) mod effects;
 mod exhibit;
 mod fitting;
 mod force_laws;
+mod left;
 mod maps;
 mod records;
 pub mod records_explain;

@@ -2,6 +2,7 @@
 
 use crate::contact_search::{ContactCandidate, within_reach};
 use crate::effects::{ALL, Simpler};
+use crate::left::LeftLines;
 use crate::study::merge;
 use crate::{ExplainError, Fitted, Study, Unknown};
 use frettrace_forward::accelerations::{Quantity, Setting};
@@ -14,8 +15,6 @@ const BEST: usize = 3;
 const MORE: usize = 6;
 const UNMET: f64 = 1.5;
 const BESIDE: f64 = 1.5;
-/// Standard deviations of χ² that chance may bring.
-pub(crate) const CHANCE: f64 = 5.0;
 /// Growth of the error by the noise of a recovered force among the inputs: with two forces from six sensors, a fifth in variance.
 const INPUT_NOISE: f64 = 1.1;
 /// A model is complete where its error stays within this factor of the noise, over all training runs …
@@ -104,17 +103,9 @@ impl Explained {
             && !self.has_exact()
     }
 
-    /// Whether what is left is no more than the noise of the lines, `χ²` of the data within five of its standard deviations: far stricter
-    /// than an error over the noise of all samples.
-    pub(crate) fn is_noise(&self) -> bool {
-        let count = self.residuals as f64;
-        self.fitted.fit.data_cost <= count + CHANCE * (2.0 * count).sqrt()
-    }
-
-    /// Whether what is left beside the noise of the lines is no more than that: right models of simulated rigs leave up to 0.8 of it where
-    /// their contacts are hard to balance, wrong names that follow the fitted runs four to twenty times.
-    pub(crate) fn is_near_noise(&self) -> bool {
-        self.fitted.fit.data_cost <= 2.0 * self.residuals as f64
+    /// What is left on the lines of the training runs.
+    pub(crate) fn left(&self) -> LeftLines {
+        LeftLines { chi_squared: self.fitted.fit.data_cost, count: self.residuals as f64 }
     }
 
     /// Whether nothing is left to explain.

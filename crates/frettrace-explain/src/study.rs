@@ -1,6 +1,8 @@
 //! The study: split, fits, errors.
 
 use crate::case::Scales;
+use crate::left::LeftLines;
+use crate::search::Explained;
 use crate::series_fit::SeriesContact;
 use crate::split::{Split, by_level};
 use crate::start;
@@ -212,15 +214,12 @@ impl<'a> Study<'a> {
         }
     }
 
-    /// The same study with all its runs among those that are fitted.
-    ///
-    /// # Errors
-    /// [`ExplainError::Model`] as above.
-    pub(crate) fn of_all_runs(&self) -> Result<Self, ExplainError> {
-        let mut all = self.of_model(self.model.with_runs(self.model.runs.clone())?);
+    /// A model fitted further to all runs, those held out among them: `None` where it is not complete on them.
+    pub(crate) fn jointly(&self, model: &Explained) -> Option<Explained> {
+        let mut all = self.of_model(self.model.with_runs(self.model.runs.clone()).ok()?);
         all.training.append(&mut all.held_out);
         all.training.sort_unstable();
-        Ok(all)
+        all.polished(model).ok().filter(Explained::complete)
     }
 
     fn of_model(&self, model: AccelerationModel) -> Self {
@@ -379,26 +378,6 @@ impl<'a> Study<'a> {
             power: sum.power + e.power,
             count: sum.count + e.count,
         })
-    }
-}
-
-/// χ² that a model leaves on some lines.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct LeftLines {
-    pub chi_squared: f64,
-    /// Real residuals.
-    pub count: f64,
-}
-
-impl LeftLines {
-    /// What is left beside the noise, per residual.
-    pub fn excess(self) -> f64 {
-        self.chi_squared / self.count.max(1.0) - 1.0
-    }
-
-    /// Standard deviation of that by chance.
-    pub fn chance(self) -> f64 {
-        (2.0 / self.count.max(1.0)).sqrt()
     }
 }
 

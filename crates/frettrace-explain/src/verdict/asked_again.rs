@@ -117,8 +117,8 @@ impl<'a> Found<'a> {
     /// Whether one set of values of the declared law follows all runs: those it was fitted to did not tell them well enough to foretell
     /// the others, and that is all.
     fn is_of_one_law(&self) -> bool {
-        let all = || self.search.study.of_all_runs().ok()?.polished(&self.model).ok();
-        self.contradicted() && all().is_some_and(|joint| joint.complete() && joint.is_noise())
+        let joint = || self.search.study.jointly(&self.model);
+        self.contradicted() && joint().is_some_and(|joint| joint.left().is_noise())
     }
 
     /// Whether the runs held out hold far more of what is lacking than those that were searched: nothing was found, or something whose

@@ -5,8 +5,9 @@ use super::{
     Search, by_method,
 };
 use crate::effects::{ALL, EffectPlace};
-use crate::search::{CHANCE, DOMINANT, Explained, OTHER_FORMULA, excess};
-use crate::study::{LeftLines, as_declared};
+use crate::left::LeftLines;
+use crate::search::{DOMINANT, Explained, OTHER_FORMULA, excess};
+use crate::study::as_declared;
 use crate::{ChannelFault, RunError};
 use frettrace_forward::accelerations::Quantity;
 
@@ -175,9 +176,8 @@ impl Search<'_> {
     /// Whether one set of values of a model, by which held-out runs are helped but not followed, follows all runs, and leaves no more beside
     /// the noise of their lines than that is: what was missed is what the fitted runs do not tell of the values.
     fn is_of_one_model(&mut self, model: &Explained, after: f64) -> bool {
-        let joint = || self.study.of_all_runs().ok()?.polished(model).ok();
-        let follows =
-            model.complete() && joint().is_some_and(|joint| joint.complete() && joint.is_near_noise());
+        let joint = || self.study.jointly(model);
+        let follows = model.complete() && joint().is_some_and(|joint| joint.left().is_near_noise());
         if follows {
             self.notes.push(of_one(after));
         }
@@ -325,7 +325,7 @@ fn stays_with_contact(reduced: f64, left: f64) -> bool {
 /// Whether what is left is left at one sensor: more than chance brings, and far more than at the others, so that the model of the rig has no
 /// part in it.
 fn stays_with_sensor([own, others]: [LeftLines; 2]) -> bool {
-    own.excess() > CHANCE * own.chance() && own.excess() > ALONE * others.excess().max(others.chance())
+    !own.is_noise() && own.excess() > ALONE * others.excess().max(others.chance())
 }
 
 /// A fault of a channel as a named effect: it was seen in the samples themselves.
@@ -378,7 +378,7 @@ fn parameters(model: &Explained, place: usize) -> Vec<(String, String, f64, f64)
 #[cfg(test)]
 mod tests {
     use super::{is_followed, stays_with_contact, stays_with_sensor};
-    use crate::study::LeftLines;
+    use crate::left::LeftLines;
 
     /// χ² and residuals at the sensor with a named gain, and at the others, of three simulated rigs where that sensor hears another one;
     /// then of the noise alone, of a model that misses all sensors, and of what chance may leave at one.

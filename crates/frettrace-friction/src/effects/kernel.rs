@@ -74,6 +74,18 @@ pub(super) fn rise<T: Scalar>(ratio: T, breakaway: T, straight: T) -> T {
     }
 }
 
+/// The classical Runge-Kutta rule: so many steps of the size `h` along a flow.
+fn runge_kutta<T: Scalar>(mut value: T, (h, count): (T, f64), flow: impl Fn(T) -> T) -> T {
+    for _ in 0..count as usize {
+        let k1 = flow(value);
+        let k2 = flow(value + k1 * h * 0.5);
+        let k3 = flow(value + k2 * h * 0.5);
+        let k4 = flow(value + k3 * h);
+        value += (k1 + (k2 + k3) * 2.0 + k4) * h / 6.0;
+    }
+    value
+}
+
 /// Elasto-plastic flow `dr = (1 − α(r)·r)dξ` by the classical Runge-Kutta rule in steps of at most a quarter.
 pub(super) fn elasto_plastic<T: Scalar>(mut ratio: T, (breakaway, straight): (T, T), mut xi: T) -> T {
     // Purely elastic up to the breakaway: that stretch is exact.
@@ -88,18 +100,11 @@ pub(super) fn elasto_plastic<T: Scalar>(mut ratio: T, (breakaway, straight): (T,
     let count = (xi.re() / 0.25).ceil().clamp(1.0, 64.0);
     let h = xi / count;
     let flow = |r: T| -(rise(r, breakaway, straight) * r) + 1.0;
-    for _ in 0..count as usize {
-        let k1 = flow(ratio);
-        let k2 = flow(ratio + k1 * h * 0.5);
-        let k3 = flow(ratio + k2 * h * 0.5);
-        let k4 = flow(ratio + k3 * h);
-        ratio += (k1 + (k2 + k3) * 2.0 + k4) * h / 6.0;
-    }
-    ratio
+    runge_kutta(ratio, (h, count), flow)
 }
 
 /// Flow `dr = (1 − r|r|^{n−1})dξ` by the classical Runge-Kutta rule in steps of at most a quarter.
-pub(super) fn powered<T: Scalar>(mut ratio: T, exponent: T, xi: T) -> T {
+pub(super) fn powered<T: Scalar>(ratio: T, exponent: T, xi: T) -> T {
     let count = (xi.re() / 0.25).ceil().clamp(1.0, 64.0);
     let h = xi / count;
     let flow = |r: T| {
@@ -107,14 +112,7 @@ pub(super) fn powered<T: Scalar>(mut ratio: T, exponent: T, xi: T) -> T {
         let power = (size.ln() * exponent).exp();
         if r.re() < 0.0 { power + 1.0 } else { -power + 1.0 }
     };
-    for _ in 0..count as usize {
-        let k1 = flow(ratio);
-        let k2 = flow(ratio + k1 * h * 0.5);
-        let k3 = flow(ratio + k2 * h * 0.5);
-        let k4 = flow(ratio + k3 * h);
-        ratio += (k1 + (k2 + k3) * 2.0 + k4) * h / 6.0;
-    }
-    ratio
+    runge_kutta(ratio, (h, count), flow)
 }
 
 /// Play `y` that closes gradually, `dy = (1 − max(y, 0)ⁿ)dξ`: exact up to the middle, from there by the classical Runge-Kutta rule in
@@ -138,14 +136,7 @@ pub(super) fn closing<T: Scalar>(mut place: T, power: T, mut xi: T) -> T {
         let open = if y.re() > 0.0 { y } else { T::from(0.0) };
         -taken(open, power) + 1.0
     };
-    for _ in 0..count as usize {
-        let k1 = flow(place);
-        let k2 = flow(place + k1 * h * 0.5);
-        let k3 = flow(place + k2 * h * 0.5);
-        let k4 = flow(place + k3 * h);
-        place += (k1 + (k2 + k3) * 2.0 + k4) * h / 6.0;
-    }
-    place
+    runge_kutta(place, (h, count), flow)
 }
 
 /// Share of a motion that play hands on where it is closed as far as `place`, `max(y, 0)ⁿ`.
