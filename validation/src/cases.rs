@@ -12,15 +12,19 @@ mod measured_contacts;
 mod roller_beam;
 mod validate_finite_element_rig;
 mod verify_beam_modes;
+mod verify_coverage;
 mod verify_explained_rigs;
 mod verify_friction_loops;
 mod verify_harmonic_balance;
 mod verify_memory_equation;
 pub mod verify_mode_hypotheses;
 pub mod verify_reconstruction_bands;
+mod verify_sweep;
 mod verify_wedge_damper;
 
 use crate::case::Case;
+use crate::sweep::{self, Finished};
+use std::path::Path;
 
 /// All cases in the order of the report.
 pub const ALL: &[Case] = &[
@@ -32,6 +36,8 @@ pub const ALL: &[Case] = &[
     verify_mode_hypotheses::CASE,
     verify_reconstruction_bands::CASE,
     verify_explained_rigs::CASE,
+    verify_sweep::CASE,
+    verify_coverage::CASE,
     compare_balance_codes::CASE,
     compare_splines::CASE,
     validate_finite_element_rig::CASE,
@@ -46,3 +52,8 @@ pub const ALL: &[Case] = &[
     cantilever::CASE,
     roller_beam::CASE,
 ];
+
+/// Finished sets of a sweep that is kept beside its case.
+fn stored<T: Finished>(file: &str) -> anyhow::Result<Vec<T>> {
+    sweep::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("cases").join(file))
+}

@@ -93,7 +93,7 @@ struct Drawn {
     #[arg(long, default_value_t = sweep::SEED)]
     seed: u64,
     /// Clean sets of the plan
-    #[arg(long, default_value_t = 200)]
+    #[arg(long, default_value_t = sweep::CLEAN)]
     clean: usize,
 }
 

@@ -248,6 +248,12 @@ impl Contacts {
         self.periodic.iter().map(Recovered::sizes).reduce(larger).filter(|s| s.iter().all(|x| x.is_normal()))
     }
 
+    /// Largest slip velocity (m/s); `None` without periodic runs.
+    pub fn fastest(&self) -> Option<f64> {
+        let speeds = self.periodic.iter().flat_map(|one| &one.velocity).map(|v| v.abs());
+        speeds.reduce(f64::max).filter(|v| v.is_normal())
+    }
+
     /// What is quick to march, for a first look: the periodic runs on fewer samples – all of them, since a single one may be what shows
     /// an effect – and the others where the periodic ones are the fewer.
     pub fn quick(&self) -> Self {

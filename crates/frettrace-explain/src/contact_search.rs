@@ -1,7 +1,6 @@
 //! What the contact's recovered motion says of the declared law and of each candidate.
 
 use crate::Study;
-use crate::case::Scales;
 use crate::contact_fit::{ContactProblem, Contacts, Recovered, mean_force, recover};
 use crate::effects::{ALL, ContactForm, Effect};
 use crate::study::{as_declared, merge};
@@ -77,11 +76,11 @@ pub(crate) fn few_of_each(order: &mut Vec<(f64, usize)>, most: usize, effect: im
     });
 }
 
-/// Other starts of a law: Stribeck velocities, breakaways and dampings of other sizes. Friction coefficient and stiffness are
+/// Other starts of a law: Stribeck velocities, breakaways and dampings of other sizes. Friction coefficient, stiffness and velocities are
 /// those that the recovered contacts show: a law that ended poorly may have any.
 fn starts(
     law: &ModifiedLaw<f64>,
-    scales: &Scales,
+    velocity: f64,
     (recovered, rigid): (&Contacts, bool),
 ) -> Vec<ModifiedLaw<f64>> {
     let own = [Hook::MuKinetic, Hook::Sigma0].map(|hook| law.get(hook).unwrap_or(0.3));
@@ -96,11 +95,11 @@ fn starts(
         for breakaway in [0.15, 0.6] {
             let mut other = law;
             let sizes = [
-                (Hook::StribeckVelocity, speed * scales.velocity),
-                (Hook::DampingVelocity, speed * scales.velocity),
+                (Hook::StribeckVelocity, speed * velocity),
+                (Hook::DampingVelocity, speed * velocity),
                 (Hook::StribeckRise, 0.3 * mu),
                 (Hook::StribeckExponent, 1.5),
-                (Hook::Sigma1, 0.05 * mu / scales.velocity),
+                (Hook::Sigma1, 0.05 * mu / velocity),
                 (Hook::Viscous, 0.0),
                 (Hook::Breakaway, breakaway),
             ];
@@ -119,7 +118,11 @@ fn starts(
 
 /// Starts all about a law, in the coordinates of its free values: wide for velocities and dampings, narrow for what a loop shows; each
 /// with another share of viscous friction, the full one being that of the whole friction at the largest velocity.
-fn scattered(centre: &ModifiedLaw<f64>, free: &[Unknown], scales: &Scales) -> Vec<ModifiedLaw<f64>> {
+fn scattered(
+    centre: &ModifiedLaw<f64>,
+    free: &[Unknown],
+    (preload, velocity): (f64, f64),
+) -> Vec<ModifiedLaw<f64>> {
     let (hooks, parameters): (Vec<Hook>, Vec<Parameter>) = free
         .iter()
         .filter_map(|u| match u.quantity {
@@ -136,7 +139,7 @@ fn scattered(centre: &ModifiedLaw<f64>, free: &[Unknown], scales: &Scales) -> Ve
     };
     let values: Vec<f64> = hooks.iter().map(|&hook| centre.get(hook).unwrap_or_default()).collect();
     let spread: Vec<f64> = hooks.iter().map(spread).collect();
-    let full = centre.get(Hook::MuKinetic).unwrap_or_default() * scales.preload / scales.velocity;
+    let full = centre.get(Hook::MuKinetic).unwrap_or_default() * preload / velocity;
     let law = |(values, share): (Vec<f64>, &f64)| {
         let mut law = *centre;
         hooks.iter().zip(values).for_each(|(&hook, value)| law.set(hook, value));
@@ -196,7 +199,7 @@ impl Study<'_> {
             return Some(first);
         }
         // A law of many values has several minima: other starts, where the first end is poor, and the best of them goes on.
-        let others = starts(&setting.law, &self.scales, (recovered, setting.rigid));
+        let others = starts(&setting.law, self.fastest(recovered), (recovered, setting.rigid));
         self.better_end(recovered, setting, law_unknowns, (others, first))
     }
 
@@ -212,9 +215,16 @@ impl Study<'_> {
         if first.reduced < POOR || setting.rigid || law_unknowns.len() < MANY_VALUES {
             return Some(first);
         }
-        let centres = starts(&setting.law, &self.scales, (recovered, setting.rigid));
-        let others = centres.first().map_or_else(Vec::new, |law| scattered(law, law_unknowns, &self.scales));
+        let fastest = self.fastest(recovered);
+        let centres = starts(&setting.law, fastest, (recovered, setting.rigid));
+        let sizes = (self.scales.preload, fastest);
+        let others = centres.first().map_or_else(Vec::new, |law| scattered(law, law_unknowns, sizes));
         self.better_end(recovered, setting, law_unknowns, (others, first))
+    }
+
+    /// Largest slip velocity (m/s), that of the declared structure where none was recovered.
+    fn fastest(&self, recovered: &Contacts) -> f64 {
+        recovered.fastest().unwrap_or(self.scales.velocity)
     }
 
     /// Where the law of a setting ends on the recovered contacts from the best of some starts, or `first` where that is better.
@@ -314,10 +324,13 @@ impl Study<'_> {
         }
         let unknowns = merge(law_unknowns, &added);
         let rigid = setting.rigid && !law.yields();
+        let sizes = [self.scales.preload, self.fastest(recovered)];
         let (hooks, parameters): (Vec<Hook>, Vec<Parameter>) = unknowns
             .iter()
             .filter_map(|u| match u.quantity {
-                Quantity::Law(hook) if !(rigid && hook == Hook::Sigma0) => Some((hook, u.parameter.clone())),
+                Quantity::Law(hook) if !(rigid && hook == Hook::Sigma0) => {
+                    Some((hook, u.sized(&law, sizes).parameter))
+                }
                 _ => None,
             })
             .unzip();
@@ -372,7 +385,7 @@ impl Study<'_> {
         let quick = recovered.quick();
         let mut laws = vec![setting.law];
         if reduced > POOR && law_unknowns.len() > 2 {
-            laws.extend(starts(&setting.law, &self.scales, (recovered, setting.rigid)));
+            laws.extend(starts(&setting.law, self.fastest(recovered), (recovered, setting.rigid)));
         }
         let begun = |k: usize| -> Vec<(ContactCandidate, usize)> {
             let (index, form) = &forms[k];
@@ -440,7 +453,7 @@ impl Study<'_> {
         looked: &[(ContactCandidate, usize)],
         forms: &[(usize, ContactForm)],
     ) -> Vec<ContactCandidate> {
-        let others = starts(&setting.law, &self.scales, (recovered, setting.rigid));
+        let others = starts(&setting.law, self.fastest(recovered), (recovered, setting.rigid));
         let quick = recovered.quick();
         let steps = |recovered: &Contacts,
                      k: usize,

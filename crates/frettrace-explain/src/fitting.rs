@@ -3,9 +3,13 @@
 use frettrace_forward::accelerations::{
     AccelerationModel, Linearised, Memory, Prediction, Quantity, Setting,
 };
-use frettrace_identify::{Model, NoSolution, Parameter};
+use frettrace_friction::effects::{Hook, ModifiedLaw};
+use frettrace_identify::{Model, NoSolution, Parameter, Transform};
 use nalgebra::DMatrix;
 use num_complex::Complex64;
+
+/// Size of a damping over one that takes the whole friction at the largest slip velocity.
+const DAMPING: f64 = 0.1;
 
 /// A quantity of the acceleration-level model with what is known of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +24,24 @@ impl Unknown {
     /// Whether it is a value of the contact's law.
     pub(crate) fn is_of_law(&self) -> bool {
         matches!(self.quantity, Quantity::Law(_))
+    }
+
+    /// The same with the size that a damping of the contact has: a tenth of what takes the whole friction of a law at the largest slip
+    /// velocity (m/s) under a preload (N), or its own. Newtons a second and metre are no measure: a contact that slips by nanometres
+    /// may have ten thousand of them, and a fit that takes ten sizes a step would never come there.
+    pub(crate) fn sized(&self, law: &ModifiedLaw<f64>, [preload, velocity]: [f64; 2]) -> Self {
+        let mut sized = self.clone();
+        if let Quantity::Law(hook) = self.quantity {
+            let full = law.get(Hook::MuKinetic).unwrap_or(1.0) / velocity;
+            let typical = match hook {
+                Hook::Viscous => DAMPING * full * preload,
+                Hook::Sigma1 => DAMPING * full,
+                _ => return sized,
+            };
+            let scale = typical.max(law.get(hook).unwrap_or_default().abs());
+            sized.parameter.transform = Transform::Linear { scale };
+        }
+        sized
     }
 
     /// Those that are values of the contact's law, and the others.
@@ -162,5 +184,32 @@ impl Model for AccelerationFit<'_> {
             });
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::case::positive;
+    use crate::signed;
+
+    /// Friction of 0.3 × 30 N at 0.1 mm/s is 9e4 N·s/m: a tenth of that is the size of a damping, unless its own is larger, and over the
+    /// preload that of the bristle's. What is fitted in its logarithm needs none.
+    #[test]
+    fn dampings_have_the_size_of_their_contact() {
+        let scale = |hook, value: f64| {
+            let mut law = ModifiedLaw::dahl(1e5, 0.3);
+            law.set(hook, value);
+            let unknown = signed(Quantity::Law(hook), ("damping", ""), 1.0, (0.0, f64::INFINITY));
+            match unknown.sized(&law, [30.0, 1e-4]).parameter.transform {
+                Transform::Linear { scale } => scale,
+                Transform::Log => f64::NAN,
+            }
+        };
+        assert!((scale(Hook::Viscous, 0.0) - 9e3).abs() < 1e-9);
+        assert!((scale(Hook::Viscous, 2e4) - 2e4).abs() < 1e-9);
+        assert!((scale(Hook::Sigma1, 0.0) - 300.0).abs() < 1e-9);
+        let friction = positive(Hook::MuKinetic, 1e-4, 20.0);
+        assert_eq!(friction.sized(&ModifiedLaw::dahl(1e5, 0.3), [30.0, 1e-4]), friction);
     }
 }

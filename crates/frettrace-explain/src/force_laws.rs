@@ -219,7 +219,8 @@ pub(crate) fn driven(histories: &[History], drives: &[Complex64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{History, driven};
+    use super::{History, SAMPLES, driven, regress, shapes};
+    use frettrace_forward::accelerations::{PortLaw, PortPlace};
     use frettrace_fourier::Grid;
     use num_complex::Complex64;
 
@@ -255,5 +256,25 @@ mod tests {
         let all: f64 = histories.iter().map(History::chi).sum();
         // 1 − (Σ s³)²/(Σ s² Σ s⁴) over s = 1, 2 … 32 is 0.0814, and the prices are small beside it.
         assert!((driven(&histories, &drives) / all - 0.0814).abs() < 1e-3);
+    }
+
+    /// Friction of 2 N on a beam that is eased by 0.05 N/m where it rubs: the spring of a support would pull, and is left out.
+    #[test]
+    fn what_rubs_need_not_carry() {
+        let grid = Grid::new(15, SAMPLES).unwrap();
+        let phase = |k: usize| std::f64::consts::TAU * k as f64 / SAMPLES as f64;
+        let displacement: Vec<f64> = (0..SAMPLES).map(|k| phase(k).cos()).collect();
+        let velocity: Vec<f64> = (0..SAMPLES).map(|k| -phase(k).sin()).collect();
+        let motion = displacement.iter().zip(&velocity);
+        let force: Vec<f64> = motion.map(|(d, v)| 2.0 * (v / 0.3).tanh() - 0.05 * d).collect();
+        let mut lines = vec![Complex64::ZERO; 16];
+        grid.project(&force, &mut lines, &mut grid.scratch());
+        let force = lines[1..].iter().map(|line| line / 1e-3).collect();
+        let histories = [History { displacement, velocity, force, deviation: vec![1e-3; 15], grid }];
+        let shape =
+            shapes(PortPlace::At(0.3)).into_iter().find(|shape| shape.law == PortLaw::Friction).unwrap();
+        let found = regress(&histories, &shape).unwrap().coefficients;
+        assert!((found[0] - 2.0).abs() < 1e-2 && (found[1] - 0.3).abs() < 1e-2, "{found:?}");
+        assert_eq!(found[2], 0.0);
     }
 }

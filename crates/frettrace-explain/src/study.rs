@@ -158,13 +158,10 @@ impl<'a> Study<'a> {
             absolute_tolerance: 0.3,
             ..FitSettings::default()
         };
-        let problem = AccelerationFit::new(
-            &self.model,
-            setting.clone(),
-            &unknowns,
-            self.training.clone(),
-            warm.clone(),
-        );
+        let sizes = [self.scales.preload, self.scales.velocity];
+        let sized: Vec<Unknown> = unknowns.iter().map(|unknown| unknown.sized(&setting.law, sizes)).collect();
+        let problem =
+            AccelerationFit::new(&self.model, setting.clone(), &sized, self.training.clone(), warm.clone());
         let mut memory = warm.clone();
         self.begin(&setting, &self.training, &mut memory);
         let mut found = fit_with_memory(&problem, &problem.start(), &settings, &mut memory);

@@ -48,7 +48,9 @@ pub struct CoveredParameter {
 }
 
 impl CoveredParameter {
-    fn is_inside(&self) -> bool {
+    /// Whether the interval of 95 % holds the truth.
+    #[must_use]
+    pub fn is_inside(&self) -> bool {
         self.deviation.abs() <= BAND
     }
 }

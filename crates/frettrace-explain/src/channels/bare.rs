@@ -5,8 +5,10 @@ use crate::RunSamples;
 use frettrace_fourier::{Lines, Projector, refine};
 use std::f64::consts::TAU;
 
-/// Most lines that are taken out.
-const LINES: usize = 80;
+/// Most lines that are taken out, …
+const LINES: usize = 160;
+/// … and the share of half the sampling rate up to which.
+const HIGHEST: f64 = 0.98;
 /// Degree of the drift that a channel may have over a record.
 const DEGREE: usize = 3;
 
@@ -48,7 +50,7 @@ pub(super) fn bare<'a>(
             drift: 0,
         };
         let base = refine(coarse, &[run.force]).ok()?.base;
-        let highest = (0.8 * std::f64::consts::PI * run.sampling_rate / base) as usize;
+        let highest = (HIGHEST * std::f64::consts::PI * run.sampling_rate / base) as usize;
         let order = highest.min(LINES).min(samples / 4).max(1);
         let projector = Projector::new(Lines { base, order, drift: DEGREE, ..coarse }).ok()?;
         let projected = signals.iter().map(|x| projector.project(x)).collect::<Result<Vec<_>, _>>().ok()?;

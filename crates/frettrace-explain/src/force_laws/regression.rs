@@ -119,13 +119,16 @@ fn carries(law: PortLaw, coefficient: usize) -> bool {
 }
 
 /// Linear coefficients by least squares at a threshold, none of them against physics: a negative dashpot is left out, a
-/// negative spring is no support.
+/// negative spring is no support. One that rubs need not carry: its spring is left out too.
 fn linear_fit(histories: &[History], shape: &Shape, threshold: (f64, f64)) -> Option<Answer> {
     let mut linear = shape.linear.to_vec();
     loop {
         let found = solve(histories, shape, threshold, &linear)?;
-        let negative = linear.iter().position(|&k| dissipates(shape.law, k) && found.coefficients[k] < 0.0);
-        match negative {
+        let against = |k: usize| {
+            let spare = dissipates(shape.law, k) || shape.law == PortLaw::Friction;
+            spare && found.coefficients[k] < 0.0
+        };
+        match linear.iter().position(|&k| against(k)) {
             Some(place) if linear.len() > 1 => drop(linear.remove(place)),
             Some(_) => return None,
             None if linear.iter().any(|&k| carries(shape.law, k) && found.coefficients[k] < 0.0) => {

@@ -187,7 +187,9 @@ impl Search<'_> {
     /// Whether a sensor that has a named fault with one formula only is still the one that the model misses: it has another fault.
     fn misread(&mut self, model: &Explained) -> bool {
         let exact = model.effects.iter().zip(&model.sensors).filter(|(effect, _)| ALL[**effect].is_exact());
-        let sensors: Vec<usize> = exact.filter_map(|(_, sensor)| *sensor).collect();
+        // A slow sensor's filter need not be of first order.
+        let slow = |sensor: &usize| model.added.iter().any(|u| u.quantity == Quantity::Lag(*sensor));
+        let sensors: Vec<usize> = exact.filter_map(|(_, sensor)| *sensor).filter(|s| !slow(s)).collect();
         let left = |sensor: usize| self.study.left_at(&model.fitted, sensor);
         let misread = sensors.into_iter().find(|&sensor| stays_with_sensor(left(sensor)));
         if let Some(sensor) = misread {

@@ -1,7 +1,7 @@
 //! One effect more: rounds over the contact and over everything outside it.
 
 use super::outcome::helps;
-use super::{BALANCE_CALIBRATED, EASED, EVIDENCE, FINER, NEAR, PROXY, Rival, Search, Tried};
+use super::{BALANCE_CALIBRATED, BALANCE_CLOSED, EASED, EVIDENCE, FINER, NEAR, PROXY, Rival, Search, Tried};
 use crate::balance_fit::BalanceCandidate;
 use crate::effects::{ALL, Reach, Simpler};
 use crate::search::Explained;
@@ -20,6 +20,10 @@ const FITS: f64 = 4.0;
 const AT_BOUND: f64 = 1e-3;
 /// … and the χ² that its release must take: a prior of five deviations is worth 25 by itself, and so is one of two modes.
 const RELEASED: f64 = 100.0;
+
+/// Effects outside the contact that are re-fitted with the whole model, and how many where more of them close the balance.
+const REFITTED: usize = 4;
+const MOST_REFITTED: usize = 7;
 
 impl Search<'_> {
     /// The same model from the law that the contacts recovered with it show, where that ends nearer: the fit of the whole rig may
@@ -428,11 +432,15 @@ impl Search<'_> {
             evidence: plain.criterion - c.criterion,
         }));
         let best = candidates.first().map_or(f64::INFINITY, |c| c.criterion);
+        // Laws of a further force are judged on what was recovered of it, where a weak force agrees with any: what closes the balance by a
+        // value or two is asked however many of them stand before it.
+        let worthy = |place: usize, c: &BalanceCandidate| place < REFITTED || c.reduced < BALANCE_CLOSED;
         let found = candidates
             .par_iter()
-            .take(4)
-            .filter(|c| c.criterion < 3.0 * best && c.reduced < limit)
-            .filter_map(|candidate| self.with_structure(current, candidate).ok())
+            .take(MOST_REFITTED)
+            .enumerate()
+            .filter(|(place, c)| worthy(*place, c) && c.criterion < 3.0 * best && c.reduced < limit)
+            .filter_map(|(_, candidate)| self.with_structure(current, candidate).ok())
             .collect();
         Ok(self.take_best(current, found))
     }
