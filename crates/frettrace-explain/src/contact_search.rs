@@ -3,6 +3,7 @@
 use crate::Study;
 use crate::contact_fit::{ContactProblem, Contacts, Recovered, mean_force, recover};
 use crate::effects::{ALL, ContactForm, Effect};
+use crate::law_starts::{scattered, starts};
 use crate::study::{as_declared, merge};
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::{AccelerationError, Memory, Quantity, Setting};
@@ -30,11 +31,8 @@ const BEGIN: usize = 8;
 const RISES: [f64; 3] = [0.15, 0.5, 1.5];
 /// Other starts of the declared law that get all.
 const ENDED: usize = 2;
-/// Values from which a law is tried from all about, and the starts of that.
+/// Values from which a law is tried from all about.
 const MANY_VALUES: usize = 6;
-const ABOUT: usize = 24;
-/// Shares of viscous friction in these.
-const VISCOUS: [f64; 4] = [0.0, 0.1, 0.3, 1.0];
 
 /// A law on recovered contacts, with what it costs.
 #[derive(Clone)]
@@ -74,82 +72,6 @@ pub(crate) fn few_of_each(order: &mut Vec<(f64, usize)>, most: usize, effect: im
         kept += usize::from(keep);
         keep
     });
-}
-
-/// Other starts of a law: Stribeck velocities, breakaways and dampings of other sizes. Friction coefficient, stiffness and velocities are
-/// those that the recovered contacts show: a law that ended poorly may have any.
-fn starts(
-    law: &ModifiedLaw<f64>,
-    velocity: f64,
-    (recovered, rigid): (&Contacts, bool),
-) -> Vec<ModifiedLaw<f64>> {
-    let own = [Hook::MuKinetic, Hook::Sigma0].map(|hook| law.get(hook).unwrap_or(0.3));
-    let [mu, sigma0] = recovered.sizes().unwrap_or(own);
-    let mut law = *law;
-    law.set(Hook::MuKinetic, mu);
-    if !rigid {
-        law.set(Hook::Sigma0, sigma0);
-    }
-    let mut out = Vec::new();
-    for speed in [0.1, 0.4] {
-        for breakaway in [0.15, 0.6] {
-            let mut other = law;
-            let sizes = [
-                (Hook::StribeckVelocity, speed * velocity),
-                (Hook::DampingVelocity, speed * velocity),
-                (Hook::StribeckRise, 0.3 * mu),
-                (Hook::StribeckExponent, 1.5),
-                (Hook::Sigma1, 0.05 * mu / velocity),
-                (Hook::Viscous, 0.0),
-                (Hook::Breakaway, breakaway),
-            ];
-            for (hook, value) in sizes {
-                if law.get(hook).is_some() {
-                    other.set(hook, value);
-                }
-            }
-            if law.get(Hook::Breakaway).is_some() || breakaway < 0.5 {
-                out.push(other);
-            }
-        }
-    }
-    out
-}
-
-/// Starts all about a law, in the coordinates of its free values: wide for velocities and dampings, narrow for what a loop shows; each
-/// with another share of viscous friction, the full one being that of the whole friction at the largest velocity.
-fn scattered(
-    centre: &ModifiedLaw<f64>,
-    free: &[Unknown],
-    (preload, velocity): (f64, f64),
-) -> Vec<ModifiedLaw<f64>> {
-    let (hooks, parameters): (Vec<Hook>, Vec<Parameter>) = free
-        .iter()
-        .filter_map(|u| match u.quantity {
-            Quantity::Law(hook) => Some((hook, u.parameter.clone())),
-            _ => None,
-        })
-        .unzip();
-    let spread = |hook: &Hook| match hook {
-        Hook::Sigma0 => 0.3,
-        Hook::MuKinetic | Hook::StribeckExponent => 0.7,
-        Hook::Breakaway => 1.0,
-        Hook::Viscous => 0.0,
-        _ => 2.0,
-    };
-    let values: Vec<f64> = hooks.iter().map(|&hook| centre.get(hook).unwrap_or_default()).collect();
-    let spread: Vec<f64> = hooks.iter().map(spread).collect();
-    let full = centre.get(Hook::MuKinetic).unwrap_or_default() * preload / velocity;
-    let law = |(values, share): (Vec<f64>, &f64)| {
-        let mut law = *centre;
-        hooks.iter().zip(values).for_each(|(&hook, value)| law.set(hook, value));
-        if hooks.contains(&Hook::Viscous) {
-            law.set(Hook::Viscous, share * full);
-        }
-        law
-    };
-    let about = frettrace_identify::starts(&parameters, &values, &spread, ABOUT);
-    about.into_iter().zip(VISCOUS.iter().cycle()).map(law).collect()
 }
 
 impl Study<'_> {

@@ -10,6 +10,7 @@ pub(crate) mod effects;
 mod exhibit;
 mod fitting;
 mod force_laws;
+mod law_starts;
 mod left;
 mod maps;
 mod records;

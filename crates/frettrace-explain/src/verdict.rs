@@ -9,8 +9,10 @@ use frettrace_friction::effects::ModifiedLaw;
 
 mod asked_again;
 mod baseline;
+mod choice;
+mod contact_rounds;
 mod outcome;
-mod rounds;
+mod outside_rounds;
 
 pub use asked_again::explain;
 pub use outcome::{Named, Outcome, Place, Tried, Verdict};

@@ -1,0 +1,191 @@
+//! The choice among models with one effect more: fits to their end, simpler names, what they foretell.
+
+use super::{EVIDENCE, FINER, NEAR, Rival, Search, Tried};
+use crate::Study;
+use crate::effects::{ALL, Reach, Simpler};
+use crate::search::Explained;
+use rayon::prelude::*;
+
+/// Excess over the best one's up to which a model that is not fitted to its end may still overtake it.
+const CLOSE: f64 = 4.0;
+
+impl Search<'_> {
+    /// Records what was tried and keeps the best.
+    pub(super) fn take_best(&mut self, current: &Explained, mut found: Vec<Explained>) -> Option<Explained> {
+        found.iter_mut().for_each(|one| one.book(current));
+        let by_criterion = |a: &Explained, b: &Explained| a.criterion.total_cmp(&b.criterion);
+        found.sort_by(by_criterion);
+        self.settle_close(&mut found);
+        found.sort_by(by_criterion);
+        for one in self.simplified(current, &found) {
+            let same = found.iter().position(|other| other.effects == one.effects);
+            match same.map(|place| &mut found[place]) {
+                Some(other) if one.criterion < other.criterion => *other = one,
+                Some(_) => {}
+                None => found.push(one),
+            }
+        }
+        found.sort_by(by_criterion);
+        for one in &found {
+            let Some(&effect) = one.effects.last() else { continue };
+            let error = self.study.error(&one.fitted, &self.study.training).relative();
+            let evidence = current.criterion - one.criterion;
+            let id = ALL[effect].id();
+            self.tried.retain(|t| t.id != id);
+            self.tried.push(Tried { id, error, evidence });
+        }
+        self.settle_simpler(&mut found);
+        let (weights, mut found) = self.weighed(found);
+        let best = *weights.first()?;
+        // A richer effect that contains a simpler one must earn its name against it.
+        let simpler = found.iter().zip(&weights).position(|(one, weight)| {
+            (*weight < best + EVIDENCE || self.is_idle(&found[0]))
+                && one.complete() == found[0].complete()
+                && one.effects.last().is_some_and(|&e| contained(found[0].effects.last(), e))
+        });
+        let chosen = simpler.unwrap_or(0);
+        // What a richer effect has of its own, idle, makes it the chosen one under another name, and no rival.
+        self.rivals = found
+            .iter()
+            .zip(&weights)
+            .filter(|(one, _)| !self.is_renamed(one, &found[chosen]))
+            .filter_map(|(one, weight)| {
+                let behind = weight - weights[chosen];
+                one.effects.last().map(|&effect| Rival { effect, behind, excess: one.excess() })
+            })
+            .collect();
+        Some(found.swap_remove(chosen))
+    }
+
+    /// What each model costs, the least first. Where several are complete they may differ by little on the runs that they were
+    /// fitted to: among those, what they foretell of the others counts as much.
+    fn weighed(&self, found: Vec<Explained>) -> (Vec<f64>, Vec<Explained>) {
+        let some = found.first().is_some_and(Explained::complete);
+        let weight = |one: &Explained| match (some, one.complete()) {
+            (true, true) => self.weight(one),
+            (true, false) => f64::INFINITY,
+            (false, _) => one.criterion,
+        };
+        let mut all: Vec<(f64, Explained)> = found.into_iter().map(|one| (weight(&one), one)).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all.into_iter().unzip()
+    }
+
+    /// `χ² + k ln n` of the fitted runs and χ² of those held out.
+    pub(super) fn weight(&self, one: &Explained) -> f64 {
+        one.criterion + self.study.foretold(&one.fitted)
+    }
+
+    /// Whether the last effect of a model is one that another, simpler one, would be too.
+    fn is_idle(&self, model: &Explained) -> bool {
+        let runs = self.study.training.iter().map(|&run| &self.study.model.runs[run]);
+        let step = runs.map(|run| std::f64::consts::TAU / run.omega / run.samples as f64);
+        let reach = Reach { step: step.fold(f64::INFINITY, f64::min), stroke: 2.0 * self.study.scales.slip };
+        model.effects.last().is_some_and(|&effect| ALL[effect].is_idle(&model.fitted.setting.law, reach))
+    }
+
+    /// Whether the last effect of `richer` is that of `simpler` by another name: it contains it, and has nothing of its own beside.
+    pub(super) fn is_renamed(&self, richer: &Explained, simpler: &Explained) -> bool {
+        self.is_idle(richer) && simpler.effects.last().is_some_and(|&e| contained(richer.effects.last(), e))
+    }
+
+    /// Simpler effects than the best model's last from where that one has come to, where they have not come as far themselves.
+    fn simplified(&self, current: &Explained, found: &[Explained]) -> Vec<Explained> {
+        let Some((best, &effect)) = found.first().and_then(|best| Some((best, best.effects.last()?))) else {
+            return Vec::new();
+        };
+        let behind = |id: &str| {
+            let own = found.iter().find(|one| one.effects.last().is_some_and(|&e| ALL[e].id() == id));
+            own.is_none_or(|own| !own.complete() && own.criterion > best.criterion + EVIDENCE)
+        };
+        let simpler = ALL[effect].simpler(&best.fitted.setting.law);
+        let wanted = simpler.into_iter().filter(|one| self.study.case.allows(one.id) && behind(one.id));
+        let wanted: Vec<Simpler> = wanted.collect();
+        wanted.par_iter().filter_map(|one| self.study.simpler(current, best, one)).collect()
+    }
+
+    /// Fits all that come near the best to their end: who is ahead halfway need not win. Where none is complete the finer grid is
+    /// tried too, if that is what they lack.
+    fn settle_close(&mut self, found: &mut Vec<Explained>) {
+        let Some(first) = found.first() else { return };
+        let ended = |study: &Study<'_>, found: &[Explained]| -> Vec<Explained> {
+            found.par_iter().map(|one| study.polished(one).unwrap_or_else(|_| one.clone())).collect()
+        };
+        if first.complete() {
+            // Those that are complete too were no longer told apart by where their fits had come to.
+            let (complete, others): (Vec<_>, Vec<_>) = found.drain(..).partition(Explained::complete);
+            let polished = if complete.len() > 1 { ended(&self.study, &complete) } else { complete.clone() };
+            let better = complete.into_iter().zip(polished);
+            found.extend(
+                better.map(|(one, longer)| if longer.criterion < one.criterion { longer } else { one }),
+            );
+            found.extend(others);
+            return;
+        }
+        let reach = CLOSE * first.excess();
+        let close = found.iter().filter(|one| one.excess() < reach).count();
+        if close < 2 {
+            return;
+        }
+        found.sort_by(|a, b| a.excess().total_cmp(&b.excess()));
+        // The others are asked where the best one's longer way does not end at the noise.
+        for part in [0..1, 1..close] {
+            let polished = ended(&self.study, &found[part.clone()]);
+            for (one, better) in found[part].iter_mut().zip(polished) {
+                if better.criterion < one.criterion {
+                    *one = better;
+                }
+            }
+            if found[0].complete() {
+                return;
+            }
+        }
+        let least = |of: &[Explained]| of.iter().map(Explained::excess).fold(f64::INFINITY, f64::min);
+        if self.refined == 0
+            && !found.iter().any(Explained::complete)
+            && least(found) < NEAR * NEAR
+            && let Ok(Some(study)) = self.study.refined()
+        {
+            let finer = ended(&study, &found[..close]);
+            if least(&finer) < FINER * least(found) {
+                self.coarse = Some((std::mem::replace(&mut self.study, study), 0));
+                self.refined = 1;
+                *found = finer;
+            }
+        }
+    }
+
+    /// Fits a simpler effect to its end where a richer one that contains it is complete and ahead: it may be so by its longer way.
+    fn settle_simpler(&self, found: &mut [Explained]) {
+        let Some(first) = found.first().filter(|first| first.complete()) else { return };
+        let (rich, best) = (first.effects.last().copied(), first.criterion);
+        for one in found.iter_mut().skip(1) {
+            let simpler = one.effects.last().is_some_and(|&e| contained(rich.as_ref(), e));
+            if !simpler || !one.complete() || one.criterion < best + EVIDENCE {
+                continue;
+            }
+            if let Ok(better) = self.study.polished(one)
+                && better.criterion < one.criterion
+            {
+                *one = better;
+            }
+        }
+    }
+}
+
+/// Whether the effect `of` becomes the effect `simpler` at some value of its parameters.
+fn contained(of: Option<&usize>, simpler: usize) -> bool {
+    let of = of.map_or("", |&e| ALL[e].id());
+    CONTAINED.iter().any(|(rich, plain)| *rich == of && *plain == ALL[simpler].id())
+}
+
+/// Effects that contain others: a lag of no time is the curve it lags behind, and so on.
+const CONTAINED: [(&str, &str); 7] = [
+    ("friction.lag", "friction.stribeck"),
+    ("friction.film", "friction.stribeck"),
+    ("friction.film", "friction.lag"),
+    ("friction.ageing", "friction.stribeck"),
+    ("friction.presliding-damping", "friction.viscous"),
+    ("structure.second-support", "structure.cubic-stiffness"),
+    ("friction.position-periodic", "friction.position"),
+];

@@ -1,0 +1,221 @@
+//! One effect more outside the contact.
+
+use super::outcome::helps;
+use super::{BALANCE_CALIBRATED, BALANCE_CLOSED, EVIDENCE, PROXY, Rival, Search, Tried};
+use crate::balance_fit::BalanceCandidate;
+use crate::effects::ALL;
+use crate::search::Explained;
+use crate::study::merge;
+use crate::{ExplainError, Unknown};
+use frettrace_forward::accelerations::{Quantity, Setting};
+use rayon::prelude::*;
+
+/// Share of a mode's range from its end within which it parks there, …
+const AT_BOUND: f64 = 1e-3;
+/// … and the χ² that its release must take: a prior of five deviations is worth 25 by itself, and so is one of two modes.
+const RELEASED: f64 = 100.0;
+
+/// Effects outside the contact that are re-fitted with the whole model, and how many where more of them close the balance.
+const REFITTED: usize = 4;
+const MOST_REFITTED: usize = 7;
+
+impl Search<'_> {
+    /// Where structure effects start from: what was declared, or the model that already holds effects. A base fit of a law to
+    /// an open balance bends the structure to what is missing.
+    fn structural_start(&self, current: &Explained) -> Setting {
+        if current.effects.is_empty() { self.declared_start(current) } else { current.fitted.setting.clone() }
+    }
+
+    /// The declared structure, calibrated on the balance where it is only loosely known, with a model's law.
+    pub(super) fn declared_start(&self, model: &Explained) -> Setting {
+        let declared = self.study.case.setting(model.fitted.setting.law);
+        if !self.study.case.loosely_known() {
+            return declared;
+        }
+        let calibrated = self.study.balance_base(&declared, &[]);
+        if calibrated.reduced.is_finite() { calibrated.setting } else { declared }
+    }
+
+    /// A structure effect where the balance is closed by what is usual, yet not by what the noise allows.
+    pub(super) fn slight_round(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {
+        let (reduced, _) = self.study.balance_reduced(&current.fitted.setting);
+        if reduced <= BALANCE_CALIBRATED {
+            return Ok(None);
+        }
+        let found = self.structure_round(current, 0.5 * (1.0 + reduced))?;
+        Ok(found.filter(|better| better.excess() < PROXY * current.excess()))
+    }
+
+    /// An effect outside the contact where the balance is closed but none of the contact completes the model: a recovered force
+    /// takes most of what another force at a beam does, and what is left of it may be within what is usual.
+    pub(super) fn hidden_round(
+        &mut self,
+        current: &Explained,
+        contact: Option<Explained>,
+    ) -> Result<Option<Explained>, ExplainError> {
+        if contact.as_ref().is_some_and(Explained::complete) {
+            return Ok(contact);
+        }
+        let rivals = std::mem::take(&mut self.rivals);
+        let candidates = if current.fitted.setting.ports.is_empty() {
+            self.coarse.as_ref().map_or(&self.study, |(study, _)| study).tangent_candidates(current)
+        } else {
+            Vec::new()
+        };
+        let plain = current.criterion;
+        self.tried.extend(candidates.iter().map(|c| Tried {
+            id: ALL[c.effect].id(),
+            error: f64::NAN,
+            evidence: plain - c.criterion,
+        }));
+        let worth = |c: &&BalanceCandidate| c.criterion + EVIDENCE < plain;
+        let worthy: Vec<&BalanceCandidate> = candidates.iter().filter(worth).collect();
+        let found = worthy.par_iter().filter_map(|c| self.with_structure(current, c).ok()).collect();
+        let found = self.take_best(current, found).map(|found| self.further(found, current.excess()));
+        // A force that the balance does not show must leave nothing else to be explained.
+        let ahead = |found: &Explained| {
+            found.complete()
+                && contact.as_ref().is_none_or(|contact| found.criterion + EVIDENCE < contact.criterion)
+        };
+        match found {
+            Some(found) if ahead(&found) => {
+                // Those of the contact stood behind its best one, which is a rival itself now.
+                if let Some(contact) = &contact {
+                    let behind = contact.criterion - found.criterion;
+                    let best = contact.effects.last().map(|&effect| Rival {
+                        effect,
+                        behind: 0.0,
+                        excess: contact.excess(),
+                    });
+                    let moved = |rival: Rival| Rival { behind: rival.behind + behind, ..rival };
+                    self.rivals.extend(rivals.into_iter().chain(best).map(moved));
+                }
+                Ok(Some(found))
+            }
+            _ => {
+                self.rivals = rivals;
+                Ok(contact)
+            }
+        }
+    }
+
+    /// A model that is complete with a mode at the end of what was declared of it, with that mode released: law and modes together may
+    /// have taken up what one of them lacks. Where that is so and the name is not asked for, the structure is strained.
+    pub(super) fn released(&mut self, current: &Explained) -> Option<Explained> {
+        let fitted = &current.fitted;
+        let strained = fitted.unknowns.iter().filter(|unknown| {
+            let (low, high) = unknown.parameter.bounds;
+            let value = fitted.setting.get(unknown.quantity).unwrap_or_default();
+            unknown.parameter.prior.is_some() && (value - low).min(high - value) < AT_BOUND * (high - low)
+        });
+        let candidates: Vec<BalanceCandidate> =
+            strained.filter_map(|unknown| self.release(current, unknown.quantity)).collect();
+        let found = candidates.par_iter().filter_map(|c| self.with_structure(current, c).ok()).collect();
+        let found = self.take_best(current, found)?;
+        let held_out = &self.study.held_out;
+        let error = |of: &Explained| self.study.error(&of.fitted, held_out).ratio();
+        let told = found.complete() && found.criterion + RELEASED < current.criterion;
+        // What only the fitted runs ask for is an error of theirs, or of the model.
+        let foretold = told
+            && !held_out.is_empty()
+            && helps(
+                self.study.improvement(&current.fitted, &found.fitted, held_out),
+                [error(current), error(&found)],
+            );
+        let allowed = found.effects.last().is_some_and(|&e| self.study.case.allows(ALL[e].id()));
+        self.strained = foretold && !allowed;
+        self.tried.retain(|t| self.study.case.allows(t.id));
+        if foretold && allowed {
+            return Some(found);
+        }
+        self.rivals.clear();
+        None
+    }
+
+    /// The effect of a mode with another frequency or damping than declared.
+    fn release(&self, current: &Explained, quantity: Quantity) -> Option<BalanceCandidate> {
+        let id = match quantity {
+            Quantity::ModeFrequency(_) => "structure.modal-frequency",
+            Quantity::ModeDamping(_) => "structure.modal-damping",
+            _ => return None,
+        };
+        let effect = ALL.iter().position(|e| e.id() == id)?;
+        let (case, setting) = (self.study.case, &current.fitted.setting);
+        let forms = ALL[effect].structure_forms(case, setting, &self.study.scales);
+        let form = forms.into_iter().find(|form| form.unknowns[0].quantity == quantity)?;
+        Some(BalanceCandidate {
+            effect,
+            sensor: None,
+            setting: form.setting,
+            unknowns: form.unknowns,
+            criterion: current.criterion,
+            reduced: f64::NAN,
+        })
+    }
+
+    /// Effects outside the contact that bring χ² per degree of freedom of the balance below `limit`.
+    pub(super) fn structure_round(
+        &mut self,
+        current: &Explained,
+        limit: f64,
+    ) -> Result<Option<Explained>, ExplainError> {
+        let (_, structural) = Unknown::parted(&current.added);
+        let setting = self.structural_start(current);
+        let plain = self.study.balance_base(&setting, &structural);
+        let mut candidates = self.study.balance_candidates(&setting, &structural, &current.effects);
+        if setting.ports.is_empty() {
+            candidates.extend(self.study.force_candidates(&setting, plain.criterion));
+            candidates.extend(self.study.base_candidate(&setting, plain.criterion));
+        }
+        candidates.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        // One form of each effect is re-fitted, of the best effect two: on recovered forces close forms change places.
+        let leader = candidates.first().map(|c| c.effect);
+        let mut seen = Vec::new();
+        candidates.retain(|c| {
+            let before = seen.iter().filter(|effect| **effect == c.effect).count();
+            seen.push(c.effect);
+            before < if Some(c.effect) == leader { 2 } else { 1 }
+        });
+        self.tried.extend(candidates.iter().map(|c| Tried {
+            id: ALL[c.effect].id(),
+            error: f64::NAN,
+            evidence: plain.criterion - c.criterion,
+        }));
+        let best = candidates.first().map_or(f64::INFINITY, |c| c.criterion);
+        // Laws of a further force are judged on what was recovered of it, where a weak force agrees with any: what closes the balance by a
+        // value or two is asked however many of them stand before it.
+        let worthy = |place: usize, c: &BalanceCandidate| place < REFITTED || c.reduced < BALANCE_CLOSED;
+        let found = candidates
+            .par_iter()
+            .take(MOST_REFITTED)
+            .enumerate()
+            .filter(|(place, c)| worthy(*place, c) && c.criterion < 3.0 * best && c.reduced < limit)
+            .filter_map(|(_, candidate)| self.with_structure(current, candidate).ok())
+            .collect();
+        Ok(self.take_best(current, found))
+    }
+
+    /// The whole model with a structure effect: the law anew on contacts recovered with it, then everything.
+    fn with_structure(
+        &self,
+        current: &Explained,
+        candidate: &BalanceCandidate,
+    ) -> Result<Explained, ExplainError> {
+        let own = candidate.unknowns.iter().filter(|u| !current.fitted.unknowns.contains(u));
+        let declared = self.study.case.unknowns();
+        let brought: Vec<Unknown> = own.filter(|u| !declared.contains(u)).cloned().collect();
+        let added = merge(&current.added, &brought);
+        let unknowns = merge(&declared, &added);
+        let (law, _) = Unknown::parted(&unknowns);
+        let mut setting = candidate.setting.clone();
+        let recovered = self.study.recovered(&setting)?;
+        if let Some(base) = self.study.contact_base(&recovered, &setting, &law) {
+            setting.law = base.law;
+        }
+        let mut effects = current.effects.clone();
+        effects.push(candidate.effect);
+        let mut found = self.study.whole(setting, &unknowns, (effects, added), 12)?;
+        found.sensors = current.sensors.iter().copied().chain([candidate.sensor]).collect();
+        Ok(found)
+    }
+}
