@@ -3,12 +3,14 @@
 
 use clap::{Args, Parser, Subcommand};
 use frettrace_measurement::write_measurement;
+use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::{fs, time::Duration};
 use validation::sweep::apart::{MADE, printed};
+use validation::sweep::coverage::{self, Covered, cover};
 use validation::sweep::judged::{Judged, judge};
-use validation::sweep::{self, coverage, made::make, plan, tables};
+use validation::sweep::{self, made::make, plan, tables};
 use validation::{
     baseline,
     case::{Outcome, Row},
@@ -42,16 +44,7 @@ enum Table {
     /// Splines and forms of the reconstruction
     Splines,
     /// Simulated rigs with a known effect through `explain`: confusion, false alarms, detection limit
-    Sweep {
-        /// Seconds after which a question counts as not answered
-        #[arg(long, default_value_t = 600)]
-        limit: u64,
-        /// Seconds after which a set counts as one that cannot be made
-        #[arg(long, default_value_t = 600)]
-        making: u64,
-        #[command(flatten)]
-        extent: Extent,
-    },
+    Sweep(Extent),
     /// One set of the sweep's plan through `explain`: a line when it is made, then its line of JSON
     Judge {
         /// Name in the plan
@@ -71,6 +64,13 @@ enum Table {
     },
     /// Simulated clean rigs through `reconstruct` and `identify`: how often the bands hold the truth
     Coverage(Extent),
+    /// One clean set of the plan through `reconstruct` and `identify`: a line when it is made, then its line of JSON
+    Cover {
+        /// Name in the plan
+        name: String,
+        #[command(flatten)]
+        drawn: Drawn,
+    },
 }
 
 /// Which sets, and where they go.
@@ -84,6 +84,26 @@ struct Extent {
     /// Only the first sets of the plan, which is in drawn order
     #[arg(long, default_value_t = usize::MAX)]
     first: usize,
+    /// Seconds after which a question counts as not answered
+    #[arg(long, default_value_t = 600)]
+    limit: u64,
+    /// Seconds after which a set counts as one that cannot be made
+    #[arg(long, default_value_t = 600)]
+    making: u64,
+}
+
+impl Extent {
+    fn sets(&self, wanted: impl Fn(&plan::Planned) -> bool) -> Vec<plan::Planned> {
+        self.drawn.plan().into_iter().filter(wanted).take(self.first).collect()
+    }
+
+    /// What another process of this program answers on a set, within the limits.
+    fn apart<T: DeserializeOwned>(&self, question: &str, set: &plan::Planned) -> anyhow::Result<T> {
+        let mut program = Command::new(std::env::current_exe()?);
+        let [seed, clean] = [self.drawn.seed, self.drawn.clean as u64].map(|number| number.to_string());
+        program.args([question, &set.name, "--seed", &seed, "--clean", &clean]);
+        Ok(serde_json::from_str(&printed(program, [self.making, self.limit].map(Duration::from_secs))?)?)
+    }
 }
 
 /// What a plan is drawn from.
@@ -108,14 +128,6 @@ impl Drawn {
     }
 }
 
-/// The verdict on a set, from this program in another process.
-fn judged_apart(set: &plan::Planned, drawn: &Drawn, limits: [u64; 2]) -> anyhow::Result<Judged> {
-    let mut program = Command::new(std::env::current_exe()?);
-    let [seed, clean] = [drawn.seed.to_string(), drawn.clean.to_string()];
-    program.args(["judge", &set.name, "--seed", &seed, "--clean", &clean]);
-    Ok(serde_json::from_str(&printed(program, limits.map(Duration::from_secs))?)?)
-}
-
 fn main() -> anyhow::Result<ExitCode> {
     let arguments = Arguments::parse();
     let Some(table) = arguments.table else { return run_cases(arguments.accept) };
@@ -128,14 +140,11 @@ fn run_table(table: &Table) -> anyhow::Result<String> {
         Table::Bands { rigs, first } => cases::verify_reconstruction_bands::table(*first..first + rigs),
         Table::Hypotheses => cases::verify_mode_hypotheses::table(),
         Table::Splines => cases::compare_splines::table(),
-        Table::Sweep { limit, making, extent } => {
-            let mut sets = extent.drawn.plan();
-            sets.truncate(extent.first);
-            let apart = |set: &plan::Planned| {
-                judged_apart(set, &extent.drawn, [*making, *limit])
-                    .unwrap_or_else(|error| Judged::failed(set, &error))
+        Table::Sweep(extent) => {
+            let judged = |set: &plan::Planned| {
+                extent.apart("judge", set).unwrap_or_else(|error| Judged::failed(set, &error))
             };
-            let done = sweep::resume(&extent.output, &sets, |set| &set.name, apart)?;
+            let done = sweep::resume(&extent.output, &extent.sets(|_| true), |set| &set.name, judged)?;
             Ok(tables::markdown(&format!("Sweep of explain, seed {}", extent.drawn.seed), &done))
         }
         Table::Judge { name, drawn } => {
@@ -148,11 +157,15 @@ fn run_table(table: &Table) -> anyhow::Result<String> {
             Ok(format!("{planned:#?}\n"))
         }
         Table::Coverage(extent) => {
-            let mut sets = extent.drawn.plan();
-            sets.retain(|set| set.formula.is_none());
-            sets.truncate(extent.first);
-            let done = sweep::resume(&extent.output, &sets, |set| &set.name, coverage::cover)?;
+            let covered = |set: &plan::Planned| {
+                extent.apart("cover", set).unwrap_or_else(|error| Covered::failed(set, &error))
+            };
+            let clean = extent.sets(|set| set.formula.is_none());
+            let done = sweep::resume(&extent.output, &clean, |set| &set.name, covered)?;
             Ok(coverage::markdown(&done))
+        }
+        Table::Cover { name, drawn } => {
+            Ok(serde_json::to_string(&cover(&drawn.set(name)?, || println!("{MADE}")))? + "\n")
         }
     }
 }

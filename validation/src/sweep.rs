@@ -27,7 +27,7 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 /// The seed of the plan that is reported, …
-pub const SEED: u64 = 251;
+pub const SEED: u64 = 261;
 /// … and its clean sets.
 pub const CLEAN: usize = 200;
 

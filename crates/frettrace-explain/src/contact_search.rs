@@ -134,7 +134,22 @@ impl Study<'_> {
         law_unknowns: &[Unknown],
     ) -> Option<ContactCandidate> {
         let first = self.contact_base(recovered, setting, law_unknowns)?;
-        if first.reduced < POOR || setting.rigid || law_unknowns.len() < MANY_VALUES {
+        if first.reduced < POOR {
+            return Some(first);
+        }
+        self.contact_base_from_all_about(recovered, setting, law_unknowns, first)
+    }
+
+    /// The law of a setting on the recovered contacts from starts all about, or `first` where none leads further or the law has few
+    /// values: a valley may pass there that the whole model tells from the right one.
+    pub(crate) fn contact_base_from_all_about(
+        &self,
+        recovered: &Contacts,
+        setting: &Setting,
+        law_unknowns: &[Unknown],
+        first: ContactCandidate,
+    ) -> Option<ContactCandidate> {
+        if setting.rigid || law_unknowns.len() < MANY_VALUES {
             return Some(first);
         }
         let fastest = self.fastest(recovered);

@@ -25,7 +25,7 @@ const COMPLETE_RUN: f64 = 1.12;
 /// A model explains where its error stays within this factor of the noise in every training run …
 const SUFFICIENT: f64 = 1.2;
 /// … and no more than this share of the declared model's excess is left: model errors of other rigs are of that size.
-const REST: f64 = 0.01;
+pub(crate) const REST: f64 = 0.01;
 
 /// Error over noise of every training run up to which a name may stand where the formula differs, …
 pub(crate) const OTHER_FORMULA: f64 = 3.0;
@@ -86,7 +86,12 @@ impl Explained {
     /// Whether so little is left of what `baseline` missed that no further mechanism can be told in it: a hundredth of its
     /// excess, and an error within a fifth of the noise. What an effect with one formula leaves is another mechanism.
     pub(crate) fn sufficient(&self, baseline: &Self) -> bool {
-        self.worst <= SUFFICIENT && self.excess() <= REST * baseline.excess() && !self.has_exact()
+        self.worst <= SUFFICIENT && self.leaves_a_trace(baseline) && !self.has_exact()
+    }
+
+    /// Whether what is left is a hundredth of what `baseline` missed.
+    pub(crate) fn leaves_a_trace(&self, baseline: &Self) -> bool {
+        self.excess() <= REST * baseline.excess()
     }
 
     /// Whether one of the effects has no other formula.

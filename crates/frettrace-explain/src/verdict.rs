@@ -47,6 +47,8 @@ const BORNE_OUT: f64 = 1.2;
 /// Error over noise of runs held out from which they contradict a model that follows those it was fitted to: what its values are
 /// uncertain by adds some per cent.
 const CONTRADICTED: f64 = 1.1;
+/// … and up to which it is the noise and the common uncertainty of the fitted values.
+const FORETOLD: f64 = 1.03;
 /// Improvement on held-out runs that a claim needs, in standard errors.
 const HELD_OUT: f64 = 2.5;
 /// Share of their excess over the noise that a claim may leave there: more than half of it must go.

@@ -2,7 +2,7 @@
 
 use super::stored;
 use crate::case::{Case, Outcome, Row};
-use crate::sweep::judged::{Judged, judge};
+use crate::sweep::judged::{Judged, Worth, judge};
 use crate::sweep::plan::{Planned, plan};
 use crate::sweep::tables::{Counts, detection};
 use crate::sweep::{CLEAN, SEED};
@@ -15,6 +15,15 @@ pub const CASE: Case = Case { name: "verify_sweep", run };
 const AGAIN: usize = 4;
 /// … of those whose answer took less than this (s), and their simulation mostly little more.
 const QUICK: f64 = 1.0;
+/// Sets of any seed that were answered wrong once, and one whose right name leaves the most beside the noise: declared law in another
+/// valley (a film was named), two stand-ins for what is not in the list, dampings far from their start.
+const MENDED: [(u64, &str); 5] = [
+    (251, "clean 2 lugre rotation"),
+    (251, "structure.quadratic-damping 1 hybrid transverse"),
+    (251, "unlisted:structure/even-stiffness 1 dahl transverse"),
+    (251, "friction.asymmetry/smooth 1 hybrid rotation"),
+    (241, "structure.quadratic-damping/power 2 hybrid rotation"),
+];
 
 fn run() -> anyhow::Result<Outcome> {
     let sets: Vec<Judged> = stored("verify_sweep/sweep.jsonl")?;
@@ -23,6 +32,7 @@ fn run() -> anyhow::Result<Outcome> {
         rows.push(reported(format!("detected, error without it {low} to {high} of the noise"), found, count));
     }
     rows.push(again(&sets));
+    rows.push(mended());
     Ok(Outcome::Ran(rows))
 }
 
@@ -74,5 +84,21 @@ fn again(sets: &[Judged]) -> Row {
         source: "the same sets, made and asked again",
         reason: "the same program on the same samples",
         ..reported("asked again: the stored answer".into(), same, asked.len())
+    }
+}
+
+/// What was wrong once, made and asked again.
+fn mended() -> Row {
+    let right = |&(seed, name): &(u64, &str)| {
+        let planned = plan(seed, CLEAN).into_iter().find(|planned| planned.name == name);
+        planned.is_some_and(|planned| judge(&planned, || {}).worth() == Worth::Right)
+    };
+    let right = MENDED.par_iter().filter(|set| right(set)).count();
+    Row {
+        expected: Some(1.0),
+        tolerance: 0.0,
+        source: "the truth of the simulated rigs",
+        reason: "answered wrong once",
+        ..reported("answered wrong once: right".into(), right, MENDED.len())
     }
 }

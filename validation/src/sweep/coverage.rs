@@ -7,6 +7,7 @@
 //! such sensors; perfect ones would find every interval too wide.
 
 use super::Finished;
+use super::apart::NotMade;
 use super::made::{Made, make};
 use super::plan::Planned;
 use frettrace::Progress;
@@ -33,6 +34,9 @@ pub struct Covered {
     pub parameters: Vec<CoveredParameter>,
     /// Why it failed.
     pub failure: Option<String>,
+    /// Whether it could not be made: no rig settles, or not in time.
+    #[serde(default)]
+    pub unmade: bool,
 }
 
 /// An identified parameter beside the truth.
@@ -66,14 +70,29 @@ const BAND: f64 = 1.96;
 /// Relative standard deviation of the gains of the sensors, one draw a sensor for all runs.
 const CALIBRATION: f64 = 5e-4;
 
-/// Makes a planned set and compares; a failure is an answer too.
+impl Covered {
+    /// A set without an answer; that is one too.
+    #[must_use]
+    pub fn failed(planned: &Planned, error: &anyhow::Error) -> Self {
+        Self {
+            name: planned.name.clone(),
+            failure: Some(format!("{error:#}")),
+            unmade: error.is::<NotMade>(),
+            ..Self::default()
+        }
+    }
+}
+
+/// Makes a planned set, says so, and compares; a failure is an answer too.
 #[must_use]
-pub fn cover(planned: &Planned) -> Covered {
+pub fn cover(planned: &Planned, is_made: impl FnOnce()) -> Covered {
+    let made = match make(planned) {
+        Ok(made) => made,
+        Err(error) => return Covered { unmade: true, ..Covered::failed(planned, &error) },
+    };
+    is_made();
     let mut covered = Covered { name: planned.name.clone(), ..Covered::default() };
-    let outcome = make(planned).and_then(|made| {
-        histories(&made, &mut covered)?;
-        parameters(&made, planned.seed, &mut covered)
-    });
+    let outcome = histories(&made, &mut covered).and_then(|()| parameters(&made, planned.seed, &mut covered));
     covered.failure = outcome.err().map(|error| format!("{error:#}"));
     covered
 }
@@ -154,9 +173,9 @@ fn parameters(made: &Made, seed: u64, covered: &mut Covered) -> anyhow::Result<(
 #[must_use]
 pub fn markdown(sets: &[Covered]) -> String {
     let mut text = format!(
-        "# Coverage\n\n{} rigs, {} without an answer.\n\n| quantity | rigs | median relative error | share inside | deviation, rms [std] |\n|---|---|---|---|---|\n",
-        sets.len(),
-        sets.iter().filter(|set| set.failure.is_some()).count()
+        "# Coverage\n\n{} rigs that were made, {} without an answer.\n\n| quantity | rigs | median relative error | share inside | deviation, rms [std] |\n|---|---|---|---|---|\n",
+        sets.iter().filter(|set| !set.unmade).count(),
+        sets.iter().filter(|set| set.failure.is_some() && !set.unmade).count()
     );
     for (channel, name) in ["friction force", "slip", "slip velocity"].into_iter().enumerate() {
         let rows: Vec<(f64, f64)> = sets

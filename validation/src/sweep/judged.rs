@@ -142,12 +142,12 @@ impl Judged {
 
 /// Makes a planned set and asks what it lacks; `asked` is called between the two.
 #[must_use]
-pub fn judge(planned: &Planned, asked: impl FnOnce()) -> Judged {
+pub fn judge(planned: &Planned, is_made: impl FnOnce()) -> Judged {
     let made = match make(planned) {
         Ok(made) => made,
         Err(error) => return Judged { unmade: true, ..Judged::failed(planned, &error) },
     };
-    asked();
+    is_made();
     answered(planned, &made).unwrap_or_else(|error| Judged::failed(planned, &error))
 }
 

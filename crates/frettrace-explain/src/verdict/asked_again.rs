@@ -5,17 +5,15 @@
 //! leaves nothing. Then the search is made again without that name, and what explains better stands.
 
 use super::outcome::{Outcome, is_followed};
-use super::{CONTRADICTED, EVIDENCE, NEAR, Rival, Search};
+use super::{CONTRADICTED, EVIDENCE, FORETOLD, NEAR, Rival, Search};
 use crate::effects::ALL;
 use crate::search::Explained;
 use crate::{Case, ExplainError, Split, Study};
 
 /// Growth of the error from fitted runs to those held out from which what is lacking lies in these.
 const OVERTAKEN: f64 = 2.0;
-/// Error over noise from which a name leaves more than the noise in the runs it was fitted to, …
+/// Error over noise from which a name leaves more than the noise in the runs it was fitted to.
 const LEFT: f64 = 1.005;
-/// … and in those held out, whose error holds that of the fitted values too.
-const LEFT_HELD_OUT: f64 = 1.03;
 
 /// A search that is over.
 struct Found<'a> {
@@ -135,7 +133,7 @@ impl<'a> Found<'a> {
     /// The only name of a model that leaves more than the noise. One that every rival leaves ten times as much as is in no doubt.
     fn doubtful(&self) -> Option<&'static str> {
         let [effect] = self.model.effects[..] else { return None };
-        let left = self.model.ratio > LEFT || self.held_out_ratio() > LEFT_HELD_OUT;
+        let left = self.model.ratio > LEFT || self.held_out_ratio() > FORETOLD;
         (left && !self.search.lifts_off && !self.search.other_formula).then(|| ALL[effect].id())
     }
 

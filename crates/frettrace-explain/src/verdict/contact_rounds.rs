@@ -22,7 +22,14 @@ impl Search<'_> {
             return None;
         }
         let recovered = self.study.recovered(&setting).ok()?;
-        let base = self.study.contact_base(&recovered, &setting, &law).filter(|base| base.reduced < FITS)?;
+        let mut base = self.study.contact_base(&recovered, &setting, &law)?;
+        if current.effects.is_empty() && base.reduced < FITS {
+            // Every effect would stand in for what the declared law does with other values.
+            base = self.study.contact_base_from_all_about(&recovered, &setting, &law, base)?;
+        }
+        if base.reduced >= FITS {
+            return None;
+        }
         setting.law = base.law;
         let named = (current.effects.clone(), current.added.clone());
         let mut found = self.study.whole(setting, &unknowns, named, 15).ok()?;
