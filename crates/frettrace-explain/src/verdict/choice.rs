@@ -89,14 +89,15 @@ impl Search<'_> {
         self.is_idle(richer) && simpler.effects.last().is_some_and(|&e| contained(richer.effects.last(), e))
     }
 
-    /// Simpler effects than the best model's last from where that one has come to, where they have not come as far themselves.
+    /// Simpler effects than the best model's last from where that one has come to, where they have not come as far themselves: one may be complete
+    /// with a form that the richer effect only mends.
     fn simplified(&self, current: &Explained, found: &[Explained]) -> Vec<Explained> {
         let Some((best, &effect)) = found.first().and_then(|best| Some((best, best.effects.last()?))) else {
             return Vec::new();
         };
         let behind = |id: &str| {
             let own = found.iter().find(|one| one.effects.last().is_some_and(|&e| ALL[e].id() == id));
-            own.is_none_or(|own| !own.complete() && own.criterion > best.criterion + EVIDENCE)
+            own.is_none_or(|own| own.criterion > best.criterion + EVIDENCE)
         };
         let simpler = ALL[effect].simpler(&best.fitted.setting.law);
         let wanted = simpler.into_iter().filter(|one| self.study.case.allows(one.id) && behind(one.id));
