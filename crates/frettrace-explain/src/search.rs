@@ -32,7 +32,7 @@ pub(crate) const OTHER_FORMULA: f64 = 3.0;
 /// … the share of the declared model's excess that may be left then, …
 pub(crate) const DOMINANT: f64 = 1e-3;
 /// … and the factor by which rivals must leave more.
-const RIVALS: f64 = 10.0;
+pub(crate) const RIVALS: f64 = 10.0;
 
 /// A model of the whole rig with named effects in it.
 #[derive(Clone)]
@@ -162,19 +162,18 @@ impl Study<'_> {
     }
 
     /// The same model without its effect of the given place in the list, fitted again: what the effect freed is held to what is
-    /// declared of it. `None` where it brought something that nothing is declared of, outside the law.
+    /// declared of it. `None` where what it brought cannot be taken out of the model.
     pub(crate) fn without(&self, from: &Explained, place: usize) -> Option<Explained> {
         let declared = self.case.unknowns();
         let others = |k: &usize| *k != place;
         let added: Vec<Unknown> =
             (0..from.effects.len()).filter(others).flat_map(|k| from.own(k).to_vec()).collect();
         let mut reduced = from.clone();
-        for unknown in from.own(place) {
-            let remains = added.iter().chain(&declared).any(|u| u.quantity == unknown.quantity);
-            match unknown.quantity {
-                _ if remains => {}
-                Quantity::Law(hook) => reduced.fitted.setting.law.clear(hook),
-                _ => return None,
+        // A port is known by its place among the ports: the last ones go first.
+        for Unknown { quantity, .. } in from.own(place).iter().rev() {
+            let remains = added.iter().chain(&declared).any(|u| u.quantity == *quantity);
+            if !remains && !reduced.fitted.setting.clear(*quantity) {
+                return None;
             }
         }
         reduced.added = added;

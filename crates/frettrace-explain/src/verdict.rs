@@ -75,6 +75,23 @@ struct Rival {
     behind: f64,
     /// What its error holds beside the noise.
     excess: f64,
+    /// What its lines hold beside their noise.
+    left: f64,
+}
+
+impl Rival {
+    /// A model with effects, as the rival of one that explains all runs better by so much.
+    fn of(model: &Explained, behind: f64) -> Option<Self> {
+        let effect = *model.effects.last()?;
+        Some(Self { effect, behind, excess: model.excess(), left: model.left().excess() })
+    }
+
+    /// A model and its own rivals as those of a better one.
+    fn of_better(better: &Explained, (model, rivals): (&Explained, Vec<Self>)) -> Vec<Self> {
+        let behind = model.criterion - better.criterion;
+        let moved = |rival: Self| Self { behind: rival.behind + behind, ..rival };
+        rivals.into_iter().chain(Self::of(model, 0.0)).map(moved).collect()
+    }
 }
 
 struct Search<'a> {
@@ -228,7 +245,7 @@ impl Search<'_> {
             if current.complete() && current.effects.len() > 1 {
                 current = self.pruned(current);
                 if current.effects.len() == before.effects.len() {
-                    self.rivals = rivals;
+                    self.rivals = Rival::of_better(&current, (&before, rivals));
                 }
             }
             if current.complete() && !self.series_open(&current) {

@@ -149,9 +149,7 @@ impl<'a> Found<'a> {
         let better = explains && behind + EVIDENCE < 0.0;
         let (mut chosen, other) = if better { (other, self) } else { (self, other) };
         if explains {
-            let rival =
-                |&effect: &usize| Rival { effect, behind: behind.abs(), excess: other.model.excess() };
-            chosen.search.rivals.extend(other.model.effects.last().map(rival));
+            chosen.search.rivals.extend(Rival::of(&other.model, behind.abs()));
         }
         let known = |id: &str| chosen.search.tried.iter().any(|t| t.id == id);
         let news: Vec<_> = other.search.tried.iter().filter(|t| !known(t.id)).copied().collect();

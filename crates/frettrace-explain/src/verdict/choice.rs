@@ -49,10 +49,7 @@ impl Search<'_> {
             .iter()
             .zip(&weights)
             .filter(|(one, _)| !self.is_renamed(one, &found[chosen]))
-            .filter_map(|(one, weight)| {
-                let behind = weight - weights[chosen];
-                one.effects.last().map(|&effect| Rival { effect, behind, excess: one.excess() })
-            })
+            .filter_map(|(one, weight)| Rival::of(one, weight - weights[chosen]))
             .collect();
         Some(found.swap_remove(chosen))
     }

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::effects::{ALL, EffectPlace};
 use crate::left::LeftLines;
-use crate::search::{DOMINANT, Explained, OTHER_FORMULA, REST, excess};
+use crate::search::{DOMINANT, Explained, OTHER_FORMULA, REST, RIVALS, excess};
 use crate::study::as_declared;
 use crate::{ChannelFault, RunError};
 use frettrace_forward::accelerations::Quantity;
@@ -14,6 +14,9 @@ use frettrace_forward::accelerations::Quantity;
 /// Share of what a closed balance holds beside the noise that one more free value a line may leave, where it is the place of what is
 /// missing.
 const TAKEN: f64 = 0.5;
+
+/// Standard deviations of χ² below which what two formulas leave is not told apart.
+const CHANCES: f64 = 1.0;
 
 /// Factor by which what is left at one sensor must exceed what is left at the others.
 const ALONE: f64 = 10.0;
@@ -278,6 +281,25 @@ impl Search<'_> {
         if closed && stays_with_contact(reduced, left) { EffectPlace::Contact } else { place }
     }
 
+    /// Effects that these data do not rule out in the place of the last one of a model: those near it in evidence; where its formula is in
+    /// doubt, known rivals that leave little more; and known rivals that were not asked for.
+    fn not_ruled_out(&self, model: &Explained, effect: usize) -> Vec<usize> {
+        let known = |other: usize| ALL[effect].rivals().contains(&ALL[other].id());
+        let held_out = &self.study.held_out;
+        let foretold = held_out.is_empty() || self.study.error(&model.fitted, held_out).ratio() <= FORETOLD;
+        let near = |r: &&Rival| {
+            let other = r.effect != effect;
+            other && (r.behind < EVIDENCE || known(r.effect) && may_be(r.left, model.left(), foretold))
+        };
+        let unasked =
+            (0..ALL.len()).filter(|&other| known(other) && !self.study.case.allows(ALL[other].id()));
+        let mut found: Vec<usize> =
+            self.rivals.iter().filter(near).map(|r| r.effect).chain(unasked).collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
     fn named(&self, model: &Explained) -> Vec<Named> {
         let close = |effect: usize| {
             let other = move |r: &&Rival| r.effect != effect && r.behind < EVIDENCE;
@@ -298,7 +320,7 @@ impl Search<'_> {
                     sensor,
                     parameters: parameters(model, k),
                     indistinguishable: if last {
-                        at_most_two(effect, close(effect).map(|r| r.effect))
+                        at_most_two(effect, self.not_ruled_out(model, effect))
                     } else {
                         Vec::new()
                     },
@@ -307,6 +329,14 @@ impl Search<'_> {
             })
             .collect()
     }
+}
+
+/// Whether a known rival may be what acts: the name's formula is in doubt, since it leaves more than the noise of the lines or does not
+/// foretell the runs held out, and the rival leaves on the lines, beside their noise, less than ten times as much. Evidence between
+/// two formulas that are both another laboratory's says nothing of the names.
+fn may_be(rival: f64, own: LeftLines, foretold: bool) -> bool {
+    let exact = own.is_noise() && foretold;
+    !exact && rival < RIVALS * own.excess().max(CHANCES * own.chance())
 }
 
 /// What is said of runs held out that are missed by so many times the noise, where one set of values follows all runs.
@@ -363,8 +393,8 @@ fn faulty(fault: &ChannelFault) -> Named {
 }
 
 /// At most two of the effects that the data cannot rule out, those known to look like `effect` first.
-fn at_most_two(effect: usize, left: impl Iterator<Item = usize>) -> Vec<&'static str> {
-    let mut ids: Vec<_> = left.map(|other| ALL[other].id()).collect();
+fn at_most_two(effect: usize, left: Vec<usize>) -> Vec<&'static str> {
+    let mut ids: Vec<_> = left.into_iter().map(|other| ALL[other].id()).collect();
     ids.sort_by_key(|id| !ALL[effect].rivals().contains(id));
     ids.truncate(2);
     ids
@@ -397,7 +427,7 @@ fn parameters(model: &Explained, place: usize) -> Vec<(String, String, f64, f64)
 
 #[cfg(test)]
 mod tests {
-    use super::{is_followed, stays_with_contact, stays_with_sensor, takes_all};
+    use super::{is_followed, may_be, stays_with_contact, stays_with_sensor, takes_all};
     use crate::left::LeftLines;
 
     /// χ² and residuals at the sensor with a named gain, and at the others, of three simulated rigs where that sensor hears another one;
@@ -421,6 +451,18 @@ mod tests {
         ] {
             assert!(!stays_with_sensor(left(other)), "{other:?}");
         }
+    }
+
+    /// χ² and residuals of a film, and what a lag leaves beside the noise, on a simulated rig with a lag of bounded rate: both follow the
+    /// fitted runs, and miss those held out by a tenth. A film that foretells them rules the lag out, and so does one
+    /// that leaves a tenth as much.
+    #[test]
+    fn a_formula_in_doubt_does_not_rule_its_rivals_out() {
+        let left = |chi_squared: f64| LeftLines { chi_squared, count: 1400.0 };
+        assert!(may_be(0.175, left(1616.4), false));
+        assert!(!may_be(0.175, left(1616.4), true));
+        assert!(may_be(0.175, left(1700.0), true));
+        assert!(!may_be(1.7, left(1616.4), false));
     }
 
     /// Held-out errors over the noise of simulated rigs: quadratic damping, taken from the list, leaves viscous friction as what is

@@ -81,14 +81,7 @@ impl Search<'_> {
             Some(found) if ahead(&found) => {
                 // Those of the contact stood behind its best one, which is a rival itself now.
                 if let Some(contact) = &contact {
-                    let behind = contact.criterion - found.criterion;
-                    let best = contact.effects.last().map(|&effect| Rival {
-                        effect,
-                        behind: 0.0,
-                        excess: contact.excess(),
-                    });
-                    let moved = |rival: Rival| Rival { behind: rival.behind + behind, ..rival };
-                    self.rivals.extend(rivals.into_iter().chain(best).map(moved));
+                    self.rivals.extend(Rival::of_better(&found, (contact, rivals)));
                 }
                 Ok(Some(found))
             }

@@ -246,6 +246,36 @@ impl Setting {
         }
     }
 
+    /// Takes back what gives a quantity its meaning: a hook of the law, the added mass, a fault of a sensor, … `false`, and nothing done,
+    /// for what every model has (modes, the contact's compliance) and for ports that others stand behind.
+    pub fn clear(&mut self, quantity: Quantity) -> bool {
+        let sensor = |sensors: &mut Vec<SensorSetting>, k: usize, clear: fn(&mut SensorSetting)| {
+            sensors.get_mut(k).into_iter().for_each(clear);
+        };
+        match quantity {
+            Quantity::ModeFrequency(_) | Quantity::ModeDamping(_) | Quantity::ContactCompliance => {
+                return false;
+            }
+            Quantity::Law(hook) => self.law.clear(hook),
+            Quantity::Port(p, _) | Quantity::PortPosition(p) if p + 1 < self.ports.len() => return false,
+            Quantity::Port(p, _) | Quantity::PortPosition(p) => self.ports.truncate(p),
+            Quantity::AddedMass | Quantity::MassPosition => self.mass = None,
+            Quantity::ClampCompliance => self.clamp_compliance = 0.0,
+            Quantity::Drift => self.drift = 0.0,
+            Quantity::DriftRate => self.drift_course[0] = 0.0,
+            Quantity::DriftSlowing => self.drift_course[1] = 0.0,
+            Quantity::BaseReal | Quantity::BaseImaginary => {
+                (self.base, self.base_line, self.base_motion) = (None, 0, None);
+            }
+            Quantity::Gain(k) => sensor(&mut self.sensors, k, |s| s.gain = 1.0),
+            Quantity::Delay(k) => sensor(&mut self.sensors, k, |s| s.delay = 0.0),
+            Quantity::Lag(k) => sensor(&mut self.sensors, k, |s| s.lag = 0.0),
+            Quantity::Shift(k) => sensor(&mut self.sensors, k, |s| s.shift = 0.0),
+            Quantity::Offset(k) => sensor(&mut self.sensors, k, |s| s.offset = 0.0),
+        }
+        true
+    }
+
     /// Sets a quantity; one the model does not hold is left alone.
     pub fn set(&mut self, quantity: Quantity, value: f64) {
         let place = match quantity {
