@@ -40,6 +40,7 @@ pub enum ExplainError {
 const PARTIAL_SLIP_PERIODS: f64 = 8.0;
 
 /// A case with its split and its model.
+#[derive(Clone)]
 pub struct Study<'a> {
     /// The case.
     pub case: &'a Case,
@@ -213,7 +214,7 @@ impl<'a> Study<'a> {
 
     /// A model fitted further to all runs, those held out among them: `None` where it is not complete on them.
     pub(crate) fn jointly(&self, model: &Explained) -> Option<Explained> {
-        let mut all = self.of_model(self.model.with_runs(self.model.runs.clone()).ok()?);
+        let mut all = self.clone();
         all.training.append(&mut all.held_out);
         all.training.sort_unstable();
         all.polished(model).ok().filter(Explained::complete)

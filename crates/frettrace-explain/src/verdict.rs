@@ -94,6 +94,7 @@ impl Rival {
     }
 }
 
+#[derive(Clone)]
 struct Search<'a> {
     study: Study<'a>,
     /// How often the study's grid was made finer.

@@ -15,8 +15,17 @@ const OVERTAKEN: f64 = 2.0;
 /// Error over noise from which a name leaves more than the noise in the runs it was fitted to.
 const LEFT: f64 = 1.005;
 
+/// The declared model as it was fitted, before any effect is looked for.
+#[derive(Clone)]
+struct Begun<'a> {
+    search: Search<'a>,
+    baseline: Explained,
+}
+
 /// A search that is over.
 struct Found<'a> {
+    /// What it began with.
+    begun: Begun<'a>,
     search: Search<'a>,
     /// The declared model.
     baseline: Explained,
@@ -56,7 +65,7 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
         other.without.push(name.to_owned());
         without = other;
         // Where nothing can be said without the name, it stands.
-        if let Ok(other) = Found::by(&without, split) {
+        if let Ok(other) = found.begun.clone().asking(&without).searched(split) {
             found = found.against(other);
         }
     }
@@ -64,8 +73,8 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
     Ok(found.search.outcome(found.baseline, found.model))
 }
 
-impl<'a> Found<'a> {
-    fn by(case: &'a Case, split: Split) -> Result<Self, ExplainError> {
+impl<'a> Begun<'a> {
+    fn new(case: &'a Case, split: Split) -> Result<Self, ExplainError> {
         let (study, setting) = Study::new(case, split)?;
         let mut search = Search::new(study);
         let mut baseline = search.baseline(setting)?;
@@ -81,6 +90,18 @@ impl<'a> Found<'a> {
         }
         search.before = search.errors_as_read(&baseline);
         search.within_method = !baseline.complete() && search.within_method(&baseline);
+        Ok(Self { search, baseline })
+    }
+
+    /// The same where a case asks for other names.
+    fn asking(mut self, case: &'a Case) -> Self {
+        self.search.study.case = case;
+        self
+    }
+
+    fn searched(self, split: Split) -> Result<Found<'a>, ExplainError> {
+        let begun = self.clone();
+        let Self { mut search, mut baseline } = self;
         let followed = baseline.complete() || search.within_method;
         // Where both other splits contradicted it, the declared model lacks something however little shows where it is fitted.
         let done = followed && !search.series_open(&baseline) && split != Split::One;
@@ -98,7 +119,13 @@ impl<'a> Found<'a> {
             search.before = search.errors_as_read(&baseline);
         }
         let model = search.with_lift_off(model);
-        Ok(Self { search, baseline, model })
+        Ok(Found { begun, search, baseline, model })
+    }
+}
+
+impl<'a> Found<'a> {
+    fn by(case: &'a Case, split: Split) -> Result<Self, ExplainError> {
+        Begun::new(case, split)?.searched(split)
     }
 
     /// Error over noise of the runs held out; 1 where there are none.

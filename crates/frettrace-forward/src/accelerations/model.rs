@@ -74,6 +74,7 @@ impl Memory {
 }
 
 /// Accelerations of a rig under known forces.
+#[derive(Clone)]
 pub struct AccelerationModel {
     rig: Rig,
     /// Its beam, without measured values.
