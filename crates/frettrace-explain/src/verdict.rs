@@ -32,8 +32,10 @@ const MOST_REFINED: usize = 2;
 const MOST_REFINED_RIGID: usize = 3;
 /// Steps of a fit that begins anew on a finer grid.
 const ANEW: usize = 30;
-/// Share of the excess that a finer grid must take it to, to be kept.
+/// Share of the excess that a finer grid must take it to, to be kept, …
 const FINER: f64 = 0.7;
+/// … and the one from which the fit came to rest elsewhere: twice the lines divide the error of a grid by three, its power by nine.
+const AT_REST: f64 = 0.25;
 /// Compliance, as a share of the contact's own, from which it is the law's want and not the structure's.
 const EASED: f64 = 0.05;
 /// Error over amplitude up to which the balance of a rigid contact is not known to be right itself: twice what separates it from
@@ -305,7 +307,11 @@ impl Search<'_> {
         let kinked = current.fitted.setting.rigid && current.effects.is_empty();
         let near = kinked || current.ratio <= NEAR || current.excess() <= MOST_TAKEN * lacked;
         let most = if kinked { MOST_REFINED_RIGID } else { MOST_REFINED };
-        while !current.complete() && near && self.refined < most {
+        // What a finer grid may leave is no reason for another one.
+        let told = |search: &Self, current: &Explained| {
+            current.complete() || kinked && search.refined > 0 && search.within_method(current)
+        };
+        while !told(self, &current) && near && self.refined < most {
             let Ok(Some(mut study)) = self.study.refined() else { break };
             match on_finer(&study, &current) {
                 Some(mut better) if better.excess() < FINER * current.excess() => {
@@ -419,7 +425,7 @@ fn on_finer(study: &Study<'_>, current: &Explained) -> Option<Explained> {
     let declared = study.case.setting(setting.law);
     let recovered = || study.laws_on_contacts(&declared).unwrap_or_default();
     for law in std::iter::once(setting.law).chain(std::iter::once_with(recovered).flatten()) {
-        if best.as_ref().is_some_and(Explained::complete) {
+        if best.as_ref().is_some_and(|best| best.complete() || best.excess() < AT_REST * current.excess()) {
             break;
         }
         let setting = Setting { law, ..declared.clone() };
