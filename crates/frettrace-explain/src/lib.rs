@@ -24,6 +24,7 @@ mod start;
 mod study;
 mod tangents;
 mod unknown_force;
+mod unshared;
 mod verdict;
 
 pub use case::{Case, DeclaredModes, Scales, positive, signed};

@@ -1,5 +1,6 @@
 //! Runs as the model needs them: base frequency, lines with their deviations, and what lies beside the lines.
 
+use crate::unshared::unshared;
 use crate::{Clipped, Series};
 use frettrace_forward::accelerations::RunLines;
 use frettrace_fourier::{Lines, Projected, ProjectionError, Projector, refine};
@@ -134,7 +135,7 @@ impl RunRecord {
         let Trial { subharmonic, channels, force, ratio } = best.ok_or(unresolved)?;
         let mut noise: Vec<f64> = match noise {
             Some(stated) => stated.to_vec(),
-            None => channels.iter().map(between_lines).collect(),
+            None => own_noise(&channels),
         };
         let periodic = ratio < BESIDE_LIMIT || beside_share(run, &channels) < BESIDE_SHARE;
         if periodic && ratio >= BESIDE_LIMIT {
@@ -323,13 +324,16 @@ fn line_noise(channel: &Projected, noise: f64) -> Vec<f64> {
     local.iter().map(|v| if coloured { *v } else { white }).map(|v| (0.5 * v).sqrt()).collect()
 }
 
-/// Largest ratio over the sensors of what lies beside the lines to the noise (stated, or the quietest decile of lines).
+/// Largest ratio over the sensors of what lies beside the lines to the noise, stated or told from the channels themselves.
 fn worst_beside(channels: &[Projected], noise: Option<&[f64]>) -> f64 {
-    channels
-        .iter()
-        .enumerate()
-        .map(|(s, c)| c.residual_std / noise.map_or_else(|| between_lines(c), |n| n[s]))
-        .fold(0.0, f64::max)
+    let noise = noise.map_or_else(|| own_noise(channels), <[f64]>::to_vec);
+    channels.iter().zip(noise).map(|(c, n)| c.residual_std / n).fold(0.0, f64::max)
+}
+
+/// Noise of sensors that state none: what each does not share with the others beside the lines, or, of few, the level between the lines.
+fn own_noise(channels: &[Projected]) -> Vec<f64> {
+    let rest: Vec<&[f64]> = channels.iter().map(|c| c.residual.as_slice()).collect();
+    unshared(&rest).unwrap_or_else(|| channels.iter().map(between_lines).collect())
 }
 
 /// Noise from the variances of the lines, which come from the spectrum around each line: their median.
