@@ -56,7 +56,7 @@ pub struct Scales {
     pub length: f64,
     /// Mass of the beam (kg).
     pub mass: f64,
-    /// Lines of the base frequency up to the excitation's.
+    /// Part of the excitation's frequency that the base frequencies of all periodic runs have in common.
     pub subharmonic: usize,
 }
 

@@ -4,14 +4,18 @@
 //! recovered slip by `R` times as much, and that moves the law's answer by its stiffness. A law without a presliding range
 //! answers by its limit and, where it sticks, by the recovered force itself: what is left there is the velocity.
 
+mod leeway;
 mod march;
 
 use crate::effects::FREE;
 use crate::series_fit::SeriesContact;
-use frettrace_forward::accelerations::{AccelerationError, AccelerationModel, Balance};
+use frettrace_forward::accelerations::{
+    AccelerationError, AccelerationModel, Balance, FrequencyRatio, Quantity,
+};
 use frettrace_fourier::{Grid, GridError};
 use frettrace_friction::effects::{Hook, ModifiedLaw, ModifiedState};
 use frettrace_identify::{Fit, FitSettings, IdentifyError, Model, NoSolution, Parameter, Transform, fit};
+pub(crate) use leeway::{Leeway, Moved};
 pub(crate) use march::{LANES, columns};
 use nalgebra::{DMatrix, DMatrixViewMut};
 use num_complex::Complex64;
@@ -36,6 +40,8 @@ pub(crate) struct Recovered {
     dt: f64,
     preload: f64,
     progress: f64,
+    /// Line of the excitation.
+    driven: usize,
     /// Phase at the first sample of a base line that follows the excitation (rad).
     base_phase: f64,
     /// Static compliance of the structure at the contact (m/N).
@@ -143,6 +149,7 @@ impl Recovered {
             dt,
             preload: lines.preload,
             progress: lines.progress,
+            driven: lines.driven(),
             base_phase: lines.base_phase,
             give: balance.slip_gain[0].re,
             first: 1,
@@ -183,7 +190,12 @@ impl Recovered {
         (self.slip.iter().map(|u| u * u).sum::<f64>() / self.slip.len() as f64).sqrt()
     }
 
-    fn residual(&self, law: &ModifiedLaw<f64>, modulation: usize, out: &mut [f64]) -> ModifiedState<f64> {
+    fn residual(
+        &self,
+        law: &ModifiedLaw<f64>,
+        modulation: FrequencyRatio,
+        out: &mut [f64],
+    ) -> ModifiedState<f64> {
         let (state, force) = self.settled(law, modulation);
         self.left(&force, out);
         state
@@ -192,7 +204,7 @@ impl Recovered {
     /// Derivatives of the residual by the hooks of a law, a column each, with the `state` in which its settled period begins.
     fn linearise(
         &self,
-        (law, modulation): (&ModifiedLaw<f64>, usize),
+        (law, modulation): (&ModifiedLaw<f64>, FrequencyRatio),
         hooks: &[(usize, Hook)],
         (state, jacobian): (ModifiedState<f64>, DMatrixViewMut<'_, f64>),
     ) {
@@ -238,6 +250,8 @@ impl Recovered {
 pub(crate) struct Contacts {
     pub periodic: Vec<Recovered>,
     pub series: Vec<Arc<SeriesContact>>,
+    /// What the structure leaves open in the periodic ones.
+    pub leeway: Option<Arc<Leeway>>,
 }
 
 impl Contacts {
@@ -254,6 +268,12 @@ impl Contacts {
         speeds.reduce(f64::max).filter(|v| v.is_normal())
     }
 
+    /// The same where the structure leaves open what it does around another law.
+    pub fn around(&self, law: &ModifiedLaw<f64>, modulation: FrequencyRatio) -> Self {
+        let leeway = self.leeway.as_ref().and_then(|leeway| leeway.around((law, modulation)));
+        Self { leeway: leeway.map(Arc::new), ..self.clone() }
+    }
+
     /// What is quick to march, for a first look: the periodic runs on fewer samples – all of them, since a single one may be what shows
     /// an effect – and the others where the periodic ones are the fewer.
     pub fn quick(&self) -> Self {
@@ -265,7 +285,7 @@ impl Contacts {
     pub fn steady(&self) -> Self {
         let few = self.periodic.len() < self.series.len();
         let series = if few { self.series.clone() } else { Vec::new() };
-        Self { periodic: self.periodic.clone(), series }
+        Self { periodic: self.periodic.clone(), series, leeway: self.leeway.clone() }
     }
 }
 
@@ -274,7 +294,7 @@ impl Contacts {
 pub(crate) struct ContactProblem<'a> {
     recovered: &'a Contacts,
     law: ModifiedLaw<f64>,
-    modulation: usize,
+    modulation: FrequencyRatio,
     hooks: Vec<Hook>,
     parameters: Vec<Parameter>,
 }
@@ -285,10 +305,10 @@ const MEAN_SCALE: f64 = 0.1;
 const MEAN_STEP: f64 = 1e-3;
 
 impl<'a> ContactProblem<'a> {
-    /// A law, with the line of the modulation of its preload, whose hooks are free as the parameters say.
+    /// A law, with the frequency of the modulation of its preload, whose hooks are free as the parameters say.
     pub fn new(
         recovered: &'a Contacts,
-        (law, modulation): (ModifiedLaw<f64>, usize),
+        (law, modulation): (ModifiedLaw<f64>, FrequencyRatio),
         (hooks, mut parameters): (Vec<Hook>, Vec<Parameter>),
     ) -> Self {
         if law.depends_on_place() {
@@ -350,6 +370,46 @@ impl<'a> ContactProblem<'a> {
         self.recovered.periodic.iter().map(of).collect()
     }
 
+    /// Rows of the lines of periodic runs: counted without means, and in the residual.
+    fn rows(&self) -> impl Iterator<Item = (usize, usize)> {
+        let means = if self.law.depends_on_place() { 2 } else { 0 };
+        let runs = self.recovered.periodic.iter().map(Recovered::count).enumerate();
+        runs.flat_map(move |(run, count)| (0..count).map(move |_| (run + 1) * means))
+            .enumerate()
+            .map(|(own, before)| (own, own + before))
+    }
+
+    /// The structure that goes with some values, where it leaves anything open.
+    pub fn structure(&self, values: &[f64]) -> Vec<(Quantity, f64)> {
+        let Some(leeway) = &self.recovered.leeway else { return Vec::new() };
+        let mut residual = vec![0.0; self.residual_count()];
+        match self.left(values, &mut Vec::new(), &mut residual) {
+            Ok(()) => leeway.likely(self, &residual),
+            Err(NoSolution) => Vec::new(),
+        }
+    }
+
+    /// What the law leaves at some values, the structure as it is declared; the states in which the settled periods of the runs begin.
+    fn left(
+        &self,
+        values: &[f64],
+        states: &mut Vec<ModifiedState<f64>>,
+        residual: &mut [f64],
+    ) -> Result<(), NoSolution> {
+        let law = self.at(values);
+        let mut at = 0;
+        states.clear();
+        for (recovered, rows) in self.placed(values) {
+            at = rows.end;
+            states.push(recovered.residual(&law, self.modulation, &mut residual[rows]));
+        }
+        for series in &self.recovered.series {
+            series.residual(&law, &mut residual[at..at + series.count()]);
+            at += series.count();
+        }
+        if residual.iter().all(|r| r.is_finite()) { Ok(()) } else { Err(NoSolution) }
+    }
+
     /// Periodic runs with the mean slips that the values hold, each with its rows in the residual.
     fn placed(&self, values: &[f64]) -> impl Iterator<Item = (Cow<'a, Recovered>, Range<usize>)> {
         let means = self.means(values).to_vec();
@@ -391,20 +451,13 @@ impl Model for ContactProblem<'_> {
     }
 
     fn residual(&self, values: &[f64], memory: &mut Settled, residual: &mut [f64]) -> Result<(), NoSolution> {
-        let law = self.at(values);
-        let mut at = 0;
-        memory.states.clear();
-        for (recovered, rows) in self.placed(values) {
-            at = rows.end;
-            memory.states.push(recovered.residual(&law, self.modulation, &mut residual[rows]));
-        }
-        for series in &self.recovered.series {
-            series.residual(&law, &mut residual[at..at + series.count()]);
-            at += series.count();
-        }
+        self.left(values, &mut memory.states, residual)?;
         memory.values = values.to_vec();
         memory.residual = residual.to_vec();
-        if residual.iter().all(|r| r.is_finite()) { Ok(()) } else { Err(NoSolution) }
+        if let Some(leeway) = &self.recovered.leeway {
+            leeway.whiten(self, residual);
+        }
+        Ok(())
     }
 
     fn linearise(
@@ -415,11 +468,10 @@ impl Model for ContactProblem<'_> {
         target: (&mut [f64], &mut DMatrix<f64>),
     ) -> Result<(), NoSolution> {
         let (residual, jacobian) = target;
-        if memory.values == values {
-            residual.copy_from_slice(&memory.residual);
-        } else {
+        if memory.values != values {
             self.residual(values, memory, residual)?;
         }
+        residual.copy_from_slice(&memory.residual);
         let law = self.at(values);
         let hooks: Vec<(usize, Hook)> =
             self.hooks.iter().copied().enumerate().filter(|(j, _)| free[*j]).collect();
@@ -445,6 +497,11 @@ impl Model for ContactProblem<'_> {
             series.linearise(&law, &hooks, part);
             at = rows.end;
         }
+        if let Some(leeway) = &self.recovered.leeway {
+            leeway.whiten(self, residual);
+            let columns = jacobian.as_mut_slice().chunks_exact_mut(residual.len());
+            columns.zip(free).filter(|(_, free)| **free).for_each(|(column, _)| leeway.whiten(self, column));
+        }
         let finite = residual.iter().chain(jacobian.iter()).all(|value| value.is_finite());
         if finite { Ok(()) } else { Err(NoSolution) }
     }
@@ -461,7 +518,7 @@ const MEAN_STEPS: usize = 8;
 
 impl Recovered {
     /// Mean slips (m), those that a law answers best first.
-    fn places(&self, (law, modulation): (ModifiedLaw<f64>, usize)) -> Vec<f64> {
+    fn places(&self, (law, modulation): (ModifiedLaw<f64>, FrequencyRatio)) -> Vec<f64> {
         let wave = law.get(Hook::PeriodicNumber).map(|number| std::f64::consts::TAU / number);
         let (size, share) = wave.map_or((self.stroke(), OF_STROKE), |wave| (wave, OF_WAVE));
         let most = (SOUGHT / share).floor() as i32;
@@ -479,8 +536,8 @@ impl Recovered {
 }
 
 /// Mean slip (m) around which a law whose friction depends on the contact's place answers a recovered run best.
-fn mean_slip(recovered: &Recovered, law: (ModifiedLaw<f64>, usize)) -> Option<f64> {
-    let one = Contacts { periodic: vec![recovered.clone()], series: Vec::new() };
+fn mean_slip(recovered: &Recovered, law: (ModifiedLaw<f64>, FrequencyRatio)) -> Option<f64> {
+    let one = Contacts { periodic: vec![recovered.clone()], series: Vec::new(), leeway: None };
     let problem = ContactProblem::new(&one, law, (Vec::new(), Vec::new()));
     let places = recovered.places(law).into_iter().take(PLACES);
     let found = places.filter_map(|mean| problem.solve(MEAN_STEPS, &[mean]).ok());
@@ -490,7 +547,7 @@ fn mean_slip(recovered: &Recovered, law: (ModifiedLaw<f64>, usize)) -> Option<f6
 
 /// Mean of the friction force (N) that a law whose friction depends on the contact's place has in a recovered run: of the places
 /// where it may be, the one that the run was recovered from.
-pub(crate) fn mean_force(recovered: &Recovered, law: (ModifiedLaw<f64>, usize)) -> Option<f64> {
+pub(crate) fn mean_force(recovered: &Recovered, law: (ModifiedLaw<f64>, FrequencyRatio)) -> Option<f64> {
     mean_slip(recovered, law).map(|mean| -mean / recovered.give)
 }
 

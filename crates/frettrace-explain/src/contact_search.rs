@@ -1,15 +1,16 @@
 //! What the contact's recovered motion says of the declared law and of each candidate.
 
 use crate::Study;
-use crate::contact_fit::{ContactProblem, Contacts, Recovered, mean_force, recover};
+use crate::contact_fit::{ContactProblem, Contacts, Leeway, Moved, Recovered, mean_force, recover};
 use crate::effects::{ALL, ContactForm, Effect};
 use crate::law_starts::{scattered, starts};
 use crate::study::{as_declared, merge};
 use crate::{ExplainError, Unknown};
-use frettrace_forward::accelerations::{AccelerationError, Memory, Quantity, Setting};
+use frettrace_forward::accelerations::{AccelerationError, FrequencyRatio, Memory, Quantity, Setting};
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 use frettrace_identify::{Model, Parameter, Status};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Steps of the fit that every form gets on the recovered contacts from every start of the law, and the starts of a form that get …
 const FIRST: usize = 1;
@@ -39,7 +40,7 @@ const MANY_VALUES: usize = 6;
 pub(crate) struct ContactCandidate {
     pub effect: usize,
     pub law: ModifiedLaw<f64>,
-    pub modulation: usize,
+    pub modulation: FrequencyRatio,
     pub unknowns: Vec<Unknown>,
     /// `χ² + k ln n` on the recovered contacts.
     pub criterion: f64,
@@ -47,10 +48,28 @@ pub(crate) struct ContactCandidate {
     pub reduced: f64,
     /// Whether a value that the effect brought lies on its bound: there the effect, or a part of its form, is not used.
     pub bound: bool,
+    /// Values of the structure that go with the law, where it leaves any open.
+    pub structure: Vec<(Quantity, f64)>,
     /// Mean slips (m) of the recovered contacts where friction depends on the place, each with the index of its run.
     means: Vec<(usize, f64)>,
     /// Whether more steps promise more.
     open: bool,
+}
+
+impl ContactCandidate {
+    /// Whether its law is one that the contact may have.
+    pub fn meets(&self) -> bool {
+        self.reduced < POOR
+    }
+
+    /// A setting with the law, and with the structure that goes with it: that of a law which misses the contacts may be any.
+    pub fn placed_in(&self, setting: &Setting) -> Setting {
+        let mut setting = Setting { law: self.law, modulation: self.modulation, ..setting.clone() };
+        if self.meets() {
+            self.structure.iter().for_each(|&(quantity, value)| setting.set(quantity, value));
+        }
+        setting
+    }
 }
 
 /// Whether a candidate is so near the best one that the whole model may be fitted with it.
@@ -58,7 +77,7 @@ pub(crate) fn within_reach(criterion: f64, best: f64) -> bool {
     criterion < 3.0 * best + 500.0
 }
 
-/// χ² per residual on the recovered contacts from which other starts of the declared law are tried.
+/// χ² per residual on the recovered contacts from which a law misses them, and other starts of it are tried.
 const POOR: f64 = 4.0;
 
 /// Keeps of a ranking the first few forms of each effect, `most` in all, and the first two of every effect: one of many forms leaves
@@ -79,7 +98,25 @@ impl Study<'_> {
     pub(crate) fn recovered(&self, setting: &Setting) -> Result<Contacts, ExplainError> {
         let periodic = self.recovered_runs(setting, &self.training)?;
         let series = self.series.iter().filter(|_| as_declared(setting)).map(|(_, contact)| contact.clone());
-        Ok(Contacts { periodic, series: series.collect() })
+        let leeway = self.leeway(setting, &periodic)?.map(Arc::new);
+        Ok(Contacts { periodic, series: series.collect(), leeway })
+    }
+
+    /// What values that are declared of the structure, to their deviations, leave open in the recovered contacts of the training runs.
+    fn leeway(&self, setting: &Setting, plain: &[Recovered]) -> Result<Option<Leeway>, AccelerationError> {
+        let declared = self.case.unknowns();
+        let moved: Result<Vec<Moved>, AccelerationError> = declared
+            .par_iter()
+            .filter_map(|unknown| {
+                let (quantity, std) = (unknown.quantity, unknown.parameter.prior?.std);
+                let value = setting.get(quantity)?;
+                let mut other = setting.clone();
+                other.set(quantity, value + std);
+                let contacts = self.recovered_runs(&other, &self.training);
+                Some(contacts.map(|contacts| Moved { quantity, value, std, contacts }))
+            })
+            .collect();
+        Ok(Leeway::new(plain.to_vec(), moved?, (&setting.law, setting.modulation)))
     }
 
     fn recovered_runs(&self, setting: &Setting, runs: &[usize]) -> Result<Vec<Recovered>, AccelerationError> {
@@ -116,7 +153,7 @@ impl Study<'_> {
         let form = (usize::MAX, &plain);
         let first = self.contact_candidate(recovered, setting, law_unknowns, form, 20)?;
         // Where a rigid contact's force jumps is known to a part of a sample only: χ² does not tell a poor end there.
-        let good = first.reduced < POOR && !setting.rigid;
+        let good = first.meets() && !setting.rigid;
         if good || law_unknowns.len() < 3 {
             return Some(first);
         }
@@ -134,7 +171,7 @@ impl Study<'_> {
         law_unknowns: &[Unknown],
     ) -> Option<ContactCandidate> {
         let first = self.contact_base(recovered, setting, law_unknowns)?;
-        if first.reduced < POOR {
+        if first.meets() {
             return Some(first);
         }
         self.contact_base_from_all_about(recovered, setting, law_unknowns, first)
@@ -180,7 +217,8 @@ impl Study<'_> {
             self.contact_steps(&quick, &setting, law_unknowns, form, (None, BEGIN))
         };
         let end = |begun: &ContactCandidate| {
-            self.contact_steps(recovered, setting, law_unknowns, form, (Some(begun), ALL_STEPS))
+            let recovered = recovered.around(&begun.law, begun.modulation);
+            self.contact_steps(&recovered, setting, law_unknowns, form, (Some(begun), ALL_STEPS))
         };
         let mut begun: Vec<ContactCandidate> = starts.into_par_iter().filter_map(begin).collect();
         begun.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
@@ -238,6 +276,8 @@ impl Study<'_> {
         most: usize,
     ) -> Option<ContactCandidate> {
         let first = self.contact_steps(&recovered.quick(), setting, law_unknowns, form, (None, most));
+        let around = first.as_ref().map(|found| recovered.around(&found.law, found.modulation));
+        let recovered = around.as_ref().unwrap_or(recovered);
         self.contact_steps(recovered, setting, law_unknowns, form, (first.as_ref(), most))
     }
 
@@ -287,6 +327,7 @@ impl Study<'_> {
             law: problem.at(&fit.values),
             modulation,
             criterion: fit.cost + fit.values.len() as f64 * count.ln(),
+            structure: problem.structure(&fit.values),
             means: problem.mean_slips(&fit.values),
             open: fit.status == Status::IterationLimit,
             unknowns,
@@ -350,14 +391,17 @@ impl Study<'_> {
         let end = |one: (ContactCandidate, usize)| {
             let near = within_reach(one.0.criterion, best);
             match (near && (joined || one.0.open), joined) {
-                (true, _) => further(recovered, &one, ALL_STEPS - PART).unwrap_or(one),
+                (true, _) => {
+                    let recovered = recovered.around(&one.0.law, one.0.modulation);
+                    further(&recovered, &one, ALL_STEPS - PART).unwrap_or(one)
+                }
                 (false, true) => further(recovered, &one, 0).unwrap_or(one),
                 (false, false) => one,
             }
         };
         let mut looked: Vec<(ContactCandidate, usize)> = part.into_par_iter().map(end).collect();
         looked.sort_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
-        let again = if looked.first().is_some_and(|(c, _)| c.reduced > POOR) && law_unknowns.len() > 2 {
+        let again = if looked.first().is_some_and(|(c, _)| !c.meets()) && law_unknowns.len() > 2 {
             self.contact_restarts(recovered, setting, law_unknowns, &looked, &forms)
         } else {
             Vec::new()
@@ -407,8 +451,10 @@ impl Study<'_> {
             .filter_map(|(k, law)| Some((steps(&quick, k, law, (None, BEGIN))?, k)))
             .collect();
         begun.sort_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
-        let ended =
-            |(one, k): &(ContactCandidate, usize)| steps(recovered, *k, one.law, (Some(one), ALL_STEPS));
+        let ended = |(one, k): &(ContactCandidate, usize)| {
+            let recovered = recovered.around(&one.law, one.modulation);
+            steps(&recovered, *k, one.law, (Some(one), ALL_STEPS))
+        };
         begun.par_iter().take(AGAIN).filter_map(ended).collect()
     }
 }

@@ -275,9 +275,7 @@ impl Study<'_> {
             .into_par_iter()
             .filter(|candidate| within_reach(candidate.criterion, best))
             .filter_map(|candidate| {
-                let mut setting = from.fitted.setting.clone();
-                setting.law = candidate.law;
-                setting.modulation = candidate.modulation;
+                let setting = candidate.placed_in(&from.fitted.setting);
                 let unknowns = merge(&structure, &candidate.unknowns);
                 self.with_effect(from, setting, (candidate.effect, &unknowns), 15)
             })

@@ -36,8 +36,6 @@ const ANEW: usize = 30;
 const FINER: f64 = 0.7;
 /// … and the one from which the fit came to rest elsewhere: twice the lines divide the error of a grid by three, its power by nine.
 const AT_REST: f64 = 0.25;
-/// Compliance, as a share of the contact's own, from which it is the law's want and not the structure's.
-const EASED: f64 = 0.05;
 /// Error over amplitude up to which the balance of a rigid contact is not known to be right itself: twice what separates it from
 /// the march in time (9e-5 to 1.2e-4 in the validation).
 const RIGID_ACCURACY: f64 = 2e-4;

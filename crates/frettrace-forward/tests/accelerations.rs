@@ -88,6 +88,7 @@ fn setting() -> Setting {
     setting.ports = vec![Port { place, law: PortLaw::Polynomial, coefficients: [800.0, 0.3, 1e9, 2.0] }];
     setting.mass = Some([0.004, 0.2]);
     setting.base = Some([2e-8, -1e-8]);
+    (setting.frequency_scale, setting.damping_scale) = (1e-4, 0.03);
     setting.clamp_compliance = 1e-3;
     setting.drift = 2e-4;
     setting.drift_course = [2.0, 0.5];
@@ -125,6 +126,8 @@ fn derivatives_agree(model: &AccelerationModel, setting: &Setting) {
     let quantities = [
         (Quantity::ModeFrequency(0), 600.0),
         (Quantity::ModeDamping(0), 0.02),
+        (Quantity::FrequencyScale, 1e-2),
+        (Quantity::DampingScale, 1.0),
         (Quantity::Law(Hook::Sigma0), 5e5),
         (Quantity::Law(Hook::MuKinetic), 0.25),
         (Quantity::Port(0, 0), 800.0),
@@ -162,6 +165,33 @@ fn derivatives_agree(model: &AccelerationModel, setting: &Setting) {
         let error = size(&difference(&column, &expected, 1.0)) / size(&expected).max(f64::MIN_POSITIVE);
         assert!(error < 2e-4, "{quantity:?}: {error:e}");
     }
+}
+
+/// All natural frequencies by a share `s` more are those of a beam and a support `(1 + s)²` as stiff, with its static flexibility; all
+/// damping ratios by a share more are so declared.
+#[test]
+fn scales_are_another_modulus_and_another_damping() {
+    let sideways = |model: &AccelerationModel, stiffer: f64| {
+        let mut rig = Rig { lever: None, ..model.rig().clone() };
+        rig.beam.bending_stiffness *= stiffer;
+        rig.boundary = Boundary::spring(SUPPORT * stiffer);
+        AccelerationModel::new(rig, model.runs.clone()).unwrap()
+    };
+    let (frequency, damping) = (0.012, 0.4);
+    let law = ModifiedLaw::dahl(2e3, 0.25);
+    let plain = Setting::new(setting().frequency[..2].to_vec(), vec![0.01, 0.02], law, 3);
+    let scaled = Setting { frequency_scale: frequency, damping_scale: damping, ..plain.clone() };
+    let declared = Setting {
+        frequency: plain.frequency.iter().map(|f| f * (1.0 + frequency)).collect(),
+        damping: plain.damping.iter().map(|d| d * (1.0 + damping)).collect(),
+        ..plain
+    };
+    let predicted = |model: AccelerationModel, setting: &Setting| {
+        model.predict(setting, &[0, 1], &mut model.memory()).unwrap()
+    };
+    let found = predicted(sideways(&model(), 1.0), &scaled);
+    let expected = predicted(sideways(&model(), (1.0 + frequency).powi(2)), &declared);
+    assert!(size(&difference(&found, &expected, 1.0)) < 1e-9 * size(&expected));
 }
 
 /// What follows the exciter does so wherever a record begins: with the force a number of samples of the phase grid later, all lines

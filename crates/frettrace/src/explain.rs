@@ -199,11 +199,19 @@ fn identification(measurement: &Measurement, law: &str, model: &Explained) -> Id
     let known = |fitted: f64, declared: f64| if fitted.is_finite() { fitted } else { declared };
     for (mode, (&frequency, &damping)) in setting.frequency.iter().zip(&setting.damping).enumerate() {
         let tau = std::f64::consts::TAU;
-        let frequency_std = model.deviation(Quantity::ModeFrequency(mode)) / tau;
-        let damping_std = model.deviation(Quantity::ModeDamping(mode));
+        let scaled = |own: Quantity, value: f64, scale: Quantity| {
+            let by_all = value * model.deviation(scale);
+            let own = model.deviation(own);
+            let std = if by_all.is_finite() { own.hypot(by_all) } else { own };
+            (value * (1.0 + setting.get(scale).unwrap_or_default()), std)
+        };
+        let (frequency, frequency_std) =
+            scaled(Quantity::ModeFrequency(mode), frequency, Quantity::FrequencyScale);
+        let (frequency, frequency_std) = (frequency / tau, frequency_std / tau);
+        let (damping, damping_std) = scaled(Quantity::ModeDamping(mode), damping, Quantity::DampingScale);
         structure.modes.push(ModeEstimate {
             frequency: estimate(
-                frequency / tau,
+                frequency,
                 known(frequency_std, declared(|modes| &modes.frequency_std, mode)),
                 "Hz",
             ),

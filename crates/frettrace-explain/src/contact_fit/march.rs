@@ -1,6 +1,7 @@
 //! A law along a recovered period: its settled force, and the derivatives of that by values of the law.
 
 use super::Recovered;
+use frettrace_forward::accelerations::FrequencyRatio;
 use frettrace_friction::effects::{Hook, ModifiedLaw, ModifiedState, Monodromy, Periodic, Reached, STATES};
 use frettrace_friction::{Gradient, Step};
 use nalgebra::DMatrixViewMut;
@@ -10,7 +11,8 @@ use num_complex::Complex64;
 pub(crate) const LANES: usize = 8;
 
 impl Recovered {
-    fn along(&self, modulation: usize) -> Periodic<'_> {
+    fn along(&self, modulation: FrequencyRatio) -> Periodic<'_> {
+        let modulation = modulation.line(self.driven).unwrap_or(0);
         Periodic {
             slip: &self.slip,
             velocity: &self.velocity,
@@ -28,7 +30,7 @@ impl Recovered {
     pub(super) fn settled(
         &self,
         law: &ModifiedLaw<f64>,
-        modulation: usize,
+        modulation: FrequencyRatio,
     ) -> (ModifiedState<f64>, Vec<f64>) {
         let mut force = vec![0.0; self.slip.len()];
         let state = law.settle(&self.along(modulation), &mut force);
@@ -43,7 +45,7 @@ impl Recovered {
     pub(super) fn slopes(
         &self,
         law: &ModifiedLaw<Gradient<LANES>>,
-        modulation: usize,
+        modulation: FrequencyRatio,
         state: ModifiedState<f64>,
     ) -> Vec<Gradient<LANES>> {
         let along = self.along(modulation);

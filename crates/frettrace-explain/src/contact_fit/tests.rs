@@ -24,6 +24,7 @@ fn motion(rigid: bool) -> Recovered {
         dt: 0.05 / samples as f64,
         preload: 50.0,
         progress: 0.4,
+        driven: 1,
         base_phase: 0.3,
         give: 1e-4,
         first: 1,
@@ -64,7 +65,7 @@ fn derivatives_are_those_of_differences() {
     };
     let (mut compared, mut apart) = (0, Vec::new());
     for (law, rigid) in laws().into_iter().zip([false; 3]).chain([(laws()[0], true)]) {
-        let recovered = Contacts { periodic: vec![motion(rigid)], series: Vec::new() };
+        let recovered = Contacts { periodic: vec![motion(rigid)], series: Vec::new(), leeway: None };
         for effect in ALL {
             for form in effect.contact_forms(&law, &scales) {
                 let mut law = law;
@@ -131,16 +132,99 @@ fn a_mean_slip_shows_in_a_friction_that_depends_on_the_place() {
         dt: 0.05 / f64::from(samples),
         ..motion(false)
     };
-    let force = fine.lines(&fine.settled(&law, 1).1);
+    let force = fine.lines(&fine.settled(&law, FrequencyRatio::ONE).1);
     let give = -mean / force[0].re;
     let mut seen = Recovered { force, give, ..motion(false) };
     seen.force[0] = Complex64::ZERO;
     let cost = |run: &Recovered| {
         let mut left = vec![0.0; run.count()];
-        run.residual(&law, 1, &mut left);
+        run.residual(&law, FrequencyRatio::ONE, &mut left);
         left.iter().map(|r| r * r).sum::<f64>()
     };
     assert!(cost(&seen.around(mean)) < 1e-3 * cost(&seen), "{} {}", cost(&seen.around(mean)), cost(&seen));
-    let found = mean_slip(&seen, (law, 1)).unwrap();
+    let found = mean_slip(&seen, (law, FrequencyRatio::ONE)).unwrap();
     assert!((found - mean).abs() < 0.02 * mean, "{found:e}");
+}
+
+/// The residual and its derivatives with the structure's leeway against the dense formulas: `(I + D Dᵀ)^(−1/2) r` by the eigenvectors of
+/// the whole matrix, `δ̂ = −Dᵀ (I + D Dᵀ)⁻¹ r` by its inverse. Two runs, two values of the structure that move slip and force, and a law whose mean
+/// slips add rows that the structure has no part in.
+#[test]
+fn leeway_whitens_as_its_formula_says() {
+    let shifted = |slip: f64, force: f64| {
+        let mut run = motion(false);
+        run.slip.iter_mut().for_each(|u| *u *= 1.0 + slip);
+        run.force[1] += Complex64::new(force, -0.5 * force);
+        run
+    };
+    let plain = vec![motion(false), shifted(0.2, 3.0)];
+    let moved = |quantity, std, slip, force| Moved {
+        quantity,
+        value: 10.0,
+        std,
+        contacts: vec![shifted(slip, force), shifted(0.2 + slip, 3.0 - force)],
+    };
+    let values = vec![
+        moved(Quantity::ModeFrequency(0), 2.0, 0.01, 0.1),
+        moved(Quantity::ModeDamping(0), 0.5, -0.02, 0.0),
+    ];
+    let [law, ..] = laws();
+    let mut placed = law;
+    placed.set(Hook::Position, 0.3 / 2.6e-5);
+    for law in [law, placed] {
+        let leeway = Leeway::new(plain.clone(), clones(&values), (&law, FrequencyRatio::ONE)).map(Arc::new);
+        let with = Contacts { periodic: plain.clone(), series: Vec::new(), leeway };
+        let without = Contacts { leeway: None, ..with.clone() };
+        let problem = |contacts| {
+            ContactProblem::new(contacts, (law, FrequencyRatio::ONE), (vec![Hook::Sigma0], vec![]))
+        };
+        let (open, tight) = (problem(&with), problem(&without));
+        let rows = tight.residual_count();
+        let mut at = vec![law.get(Hook::Sigma0).unwrap()];
+        at.resize(open.parameters().len() + 1, 0.0);
+        let linear = |problem: &ContactProblem<'_>| {
+            let (mut residual, mut jacobian) = (vec![0.0; rows], DMatrix::zeros(rows, at.len()));
+            let target = (&mut residual[..], &mut jacobian);
+            problem.linearise(&at, &vec![true; at.len()], &mut problem.memory(), target).unwrap();
+            (DMatrix::from_column_slice(rows, 1, &residual), jacobian)
+        };
+        let directions = directions(&law, [&plain, &values[0].contacts, &values[1].contacts], rows);
+        let covariance = DMatrix::identity(rows, rows) + &directions * directions.transpose();
+        let parts = covariance.clone().symmetric_eigen();
+        let root = parts.eigenvalues.map(|value| value.sqrt().recip());
+        let whitening = &parts.eigenvectors * DMatrix::from_diagonal(&root) * parts.eigenvectors.transpose();
+        let ((residual, jacobian), (whitened, slopes)) = (linear(&tight), linear(&open));
+        assert!((&whitening * &residual - whitened).amax() < 1e-9 * residual.amax());
+        assert!((&whitening * &jacobian - slopes).amax() < 1e-9 * jacobian.amax());
+        let off = -directions.transpose() * covariance.try_inverse().unwrap() * &residual;
+        let likely = open.structure(&at);
+        for ((found, off), std) in likely.iter().zip(off.iter()).zip([2.0, 0.5]) {
+            let expected = 10.0 + std * off.clamp(-5.0, 5.0);
+            assert!((found.1 - expected).abs() < 1e-6, "{found:?} {expected}");
+        }
+    }
+}
+
+fn clones(values: &[Moved]) -> Vec<Moved> {
+    let same = |one: &Moved| Moved { contacts: one.contacts.clone(), ..*one };
+    values.iter().map(same).collect()
+}
+
+/// What each value of the structure changes of the residual of a law, row by row; the rows of the means stay as they are.
+fn directions(
+    law: &ModifiedLaw<f64>,
+    [plain, first, second]: [&Vec<Recovered>; 3],
+    rows: usize,
+) -> DMatrix<f64> {
+    let means = if law.depends_on_place() { 2 } else { 0 };
+    let left = |runs: &[Recovered]| {
+        let of_run = |run: &Recovered| {
+            let mut left = vec![0.0; run.count()];
+            run.residual(law, FrequencyRatio::ONE, &mut left);
+            std::iter::repeat_n(0.0, means).chain(left).collect::<Vec<f64>>()
+        };
+        DMatrix::from_vec(rows, 1, runs.iter().flat_map(of_run).collect())
+    };
+    let columns = [first, second].map(|moved| left(moved) - left(plain));
+    DMatrix::from_columns(&columns.map(|column| column.column(0).into_owned()))
 }

@@ -8,7 +8,7 @@
 
 use super::{Effect, EffectPlace, FREE, StructureForm, spring_scale};
 use crate::{Case, Scales, signed};
-use frettrace_forward::accelerations::{Quantity, Setting};
+use frettrace_forward::accelerations::{FrequencyRatio, Quantity, Setting};
 
 pub(super) struct ExcitationBaseMotion;
 
@@ -30,17 +30,20 @@ impl Effect for ExcitationBaseMotion {
     }
 
     fn structure_forms(&self, case: &Case, setting: &Setting, _scales: &Scales) -> Vec<StructureForm> {
-        let own = case.records.first().map_or(1, |r| r.subharmonic);
         // In proportion to the excitation, or with an acceleration of its own on the excitation's line or its double.
-        [(0, "m/N", 1e-3 / spring_scale(case)), (own, "m/s^2", 0.1), (2 * own, "m/s^2", 0.1)]
-            .map(|(line, unit, scale)| {
-                let setting = Setting { base: Some([0.0, 0.0]), base_line: line, ..setting.clone() };
-                let unknowns = vec![
-                    signed(Quantity::BaseReal, ("base_motion_real", unit), scale, FREE),
-                    signed(Quantity::BaseImaginary, ("base_motion_imaginary", unit), scale, FREE),
-                ];
-                StructureForm { setting, unknowns, sensor: None }
-            })
-            .into()
+        [
+            (None, "m/N", 1e-3 / spring_scale(case)),
+            (Some(FrequencyRatio::ONE), "m/s^2", 0.1),
+            (Some(FrequencyRatio::TWO), "m/s^2", 0.1),
+        ]
+        .map(|(line, unit, scale)| {
+            let setting = Setting { base: Some([0.0, 0.0]), base_line: line, ..setting.clone() };
+            let unknowns = vec![
+                signed(Quantity::BaseReal, ("base_motion_real", unit), scale, FREE),
+                signed(Quantity::BaseImaginary, ("base_motion_imaginary", unit), scale, FREE),
+            ];
+            StructureForm { setting, unknowns, sensor: None }
+        })
+        .into()
     }
 }

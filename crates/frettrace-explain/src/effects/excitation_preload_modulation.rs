@@ -8,6 +8,7 @@
 
 use super::{Change, ContactForm, Effect, EffectPlace};
 use crate::Scales;
+use frettrace_forward::accelerations::FrequencyRatio;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 
 pub(super) struct ExcitationPreloadModulation;
@@ -30,11 +31,12 @@ impl Effect for ExcitationPreloadModulation {
     }
 
     fn contact_forms(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
-        let driven = scales.subharmonic.max(1);
-        // The excitation's line, its double, and the lines below it where the base frequency is a fraction of it.
-        (1..driven)
-            .chain([driven, 2 * driven])
-            .flat_map(|order| {
+        // The excitation's line, its double, and the lines below it where all runs move at a fraction of it.
+        let under = scales.subharmonic.max(1);
+        let below = (1..under).map(|over| FrequencyRatio { over, under });
+        below
+            .chain([FrequencyRatio::ONE, FrequencyRatio::TWO])
+            .flat_map(|modulation| {
                 let sine = vec![
                     Change::linear(Hook::ModulationCosine, 0.02, 0.05, (-1.5, 1.5)),
                     Change::linear(Hook::ModulationSine, 0.02, 0.05, (-1.5, 1.5)),
@@ -42,7 +44,7 @@ impl Effect for ExcitationPreloadModulation {
                 // Another wave of the same phase: up to one that jumps from one level to the other.
                 let steep = Change::between(Hook::ModulationSteepness, 1.0, (0.05, 20.0));
                 let steep = sine.iter().cloned().chain([steep]).collect();
-                [sine, steep].map(|changes| ContactForm { changes, modulation: order })
+                [sine, steep].map(|changes| ContactForm { changes, modulation })
             })
             .collect()
     }

@@ -39,7 +39,7 @@ mod structure_quadratic_damping;
 mod structure_second_support;
 
 use crate::{Case, Scales, Unknown, signed};
-use frettrace_forward::accelerations::{Port, Quantity, Setting};
+use frettrace_forward::accelerations::{FrequencyRatio, Port, Quantity, Setting};
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 use frettrace_identify::{Parameter, Transform};
 
@@ -107,13 +107,13 @@ impl Change {
 #[derive(Clone, Debug)]
 pub(crate) struct ContactForm {
     pub changes: Vec<Change>,
-    /// Order of the excitation's line with which the preload is modulated.
-    pub modulation: usize,
+    /// Frequency with which the preload is modulated.
+    pub modulation: FrequencyRatio,
 }
 
 impl ContactForm {
     pub fn new(changes: Vec<Change>) -> Self {
-        Self { changes, modulation: 1 }
+        Self { changes, modulation: FrequencyRatio::ONE }
     }
 }
 

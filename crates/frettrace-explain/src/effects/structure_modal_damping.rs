@@ -12,6 +12,12 @@ use frettrace_forward::accelerations::{Quantity, Setting};
 
 pub(super) struct StructureModalDamping;
 
+/// A material or a joint that damps otherwise: all damping ratios by the same share.
+fn all_of_them(setting: &Setting) -> StructureForm {
+    let unknown = signed(Quantity::DampingScale, ("damping_scale", "1"), 0.05, (-0.98, 20.0));
+    StructureForm { setting: setting.clone(), unknowns: vec![unknown], sensor: None }
+}
+
 impl Effect for StructureModalDamping {
     fn id(&self) -> &'static str {
         "structure.modal-damping"
@@ -46,6 +52,7 @@ impl Effect for StructureModalDamping {
                 );
                 StructureForm { setting: setting.clone(), unknowns: vec![unknown], sensor: None }
             })
+            .chain([all_of_them(setting)])
             .collect()
     }
 }

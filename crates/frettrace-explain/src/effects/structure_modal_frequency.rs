@@ -1,6 +1,6 @@
 //! `structure.modal-frequency`.
 //!
-//! *Adds*: a natural frequency further from its declared value than its standard deviation.
+//! *Adds*: a natural frequency further from its declared value than its standard deviation, or all of them by the same share.
 //!
 //! *Shows as*: lines near that resonance off at every level.
 //!
@@ -11,6 +11,12 @@ use crate::{Case, Scales, signed};
 use frettrace_forward::accelerations::{Quantity, Setting};
 
 pub(super) struct StructureModalFrequency;
+
+/// Another temperature or modulus: all natural frequencies by the same share.
+fn all_of_them(setting: &Setting) -> StructureForm {
+    let unknown = signed(Quantity::FrequencyScale, ("frequency_scale", "1"), 1e-3, (-0.3, 0.3));
+    StructureForm { setting: setting.clone(), unknowns: vec![unknown], sensor: None }
+}
 
 impl Effect for StructureModalFrequency {
     fn id(&self) -> &'static str {
@@ -46,6 +52,7 @@ impl Effect for StructureModalFrequency {
                 );
                 StructureForm { setting: setting.clone(), unknowns: vec![unknown], sensor: None }
             })
+            .chain([all_of_them(setting)])
             .collect()
     }
 }

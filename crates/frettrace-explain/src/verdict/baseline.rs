@@ -24,7 +24,9 @@ impl Search<'_> {
         }
         let recovered = self.study.recovered(&setting)?;
         if let Some(base) = self.study.contact_base_from_many(&recovered, &setting, &law) {
-            setting.law = base.law;
+            // The structure that goes with a law which misses the contacts may be any.
+            setting =
+                if base.meets() { base.placed_in(&setting) } else { Setting { law: base.law, ..setting } };
             self.recovered_law = Some(base.law);
         }
         // No law closes a balance that is wide open: a few steps show how far the declared model is.

@@ -28,12 +28,16 @@ impl Search<'_> {
 
     /// The declared structure, calibrated on the balance where it is only loosely known, with a model's law.
     pub(super) fn declared_start(&self, model: &Explained) -> Setting {
-        let declared = self.study.case.setting(model.fitted.setting.law);
+        self.calibrated(self.study.case.setting(model.fitted.setting.law), &[])
+    }
+
+    /// A structure calibrated on the balance, with what else is free in it, where it is only loosely known.
+    pub(super) fn calibrated(&self, setting: Setting, structural: &[Unknown]) -> Setting {
         if !self.study.case.loosely_known() {
-            return declared;
+            return setting;
         }
-        let calibrated = self.study.balance_base(&declared, &[]);
-        if calibrated.reduced.is_finite() { calibrated.setting } else { declared }
+        let calibrated = self.study.balance_base(&setting, structural);
+        if calibrated.reduced.is_finite() { calibrated.setting } else { setting }
     }
 
     /// A structure effect where the balance is closed by what is usual, yet not by what the noise allows.
@@ -203,7 +207,7 @@ impl Search<'_> {
         let mut setting = candidate.setting.clone();
         let recovered = self.study.recovered(&setting)?;
         if let Some(base) = self.study.contact_base(&recovered, &setting, &law) {
-            setting.law = base.law;
+            setting = base.placed_in(&setting);
         }
         let mut effects = current.effects.clone();
         effects.push(candidate.effect);

@@ -21,6 +21,7 @@ mod structure;
 
 pub use balance::{Balance, Beside};
 pub use model::{AccelerationError, AccelerationModel, ContactHistory, Linearised, Memory, Prediction};
+pub use phase::FrequencyRatio;
 pub use ports::{COEFFICIENTS, PortForce, PortLaw};
 pub use run::RunLines;
 pub use setting::{Port, PortPlace, Quantity, Rig, SensorSetting, Setting};

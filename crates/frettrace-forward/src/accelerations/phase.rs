@@ -12,6 +12,29 @@ use super::run::RunLines;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
+/// A frequency over that of the excitation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrequencyRatio {
+    /// So many times …
+    pub over: usize,
+    /// … this part of it.
+    pub under: usize,
+}
+
+impl FrequencyRatio {
+    /// The excitation's own frequency.
+    pub const ONE: Self = Self { over: 1, under: 1 };
+    /// Twice that.
+    pub const TWO: Self = Self { over: 2, under: 1 };
+
+    /// Its line in a run whose excitation is on line `driven` of the base frequency: runs of one rig may answer on different parts of the
+    /// excitation's frequency. `None` where it lies between lines.
+    #[must_use]
+    pub fn line(self, driven: usize) -> Option<usize> {
+        (self.over * driven).is_multiple_of(self.under).then(|| self.over * driven / self.under)
+    }
+}
+
 impl RunLines {
     /// Counts the phase of what follows the exciter from the excitation, alike in all runs.
     pub fn follow_excitation<'a>(runs: impl IntoIterator<Item = &'a mut Self>) {
@@ -76,6 +99,15 @@ mod tests {
             contact_order: 3,
             samples: 64,
         }
+    }
+
+    /// Three halves of the excitation are line 3 where the motion has half its frequency, line 6 where it has a quarter, and none where it
+    /// has its own.
+    #[test]
+    fn a_ratio_has_its_line_in_every_run() {
+        let ratio = FrequencyRatio { over: 3, under: 2 };
+        assert_eq!([1, 2, 4].map(|driven| ratio.line(driven)), [None, Some(3), Some(6)]);
+        assert_eq!([1, 3].map(|driven| FrequencyRatio::TWO.line(driven)), [Some(2), Some(6)]);
     }
 
     /// Wherever the records begin, the phase is that of the first sample in the base period, up to whole periods of the

@@ -1,6 +1,7 @@
 //! One run: its measured lines, and the balance of its contact forces.
 
 use super::contact::{Contact, Motion};
+use super::phase::FrequencyRatio;
 use super::setting::{PortPlace, Setting};
 use super::structure::{Block, Layout};
 use frettrace_fourier::{Grid, GridScratch};
@@ -40,7 +41,8 @@ impl RunLines {
     }
 
     /// First strong line of the excitation; 1 where there is none.
-    pub(super) fn driven(&self) -> usize {
+    #[must_use]
+    pub fn driven(&self) -> usize {
         let largest = self.force.iter().map(|f| f.norm()).fold(0.0, f64::max);
         self.force.iter().position(|f| f.norm() > 0.5 * largest && largest > 0.0).unwrap_or(1).max(1)
     }
@@ -48,12 +50,9 @@ impl RunLines {
 
 impl RunLines {
     /// Motion of the base on a line for a unit value of its setting ([`super::Setting::base_line`]).
-    pub(super) fn clamp_unit(&self, base_line: usize, line: usize) -> Complex64 {
-        let force = self.force.get(line).copied().unwrap_or_default();
-        if base_line == 0 {
-            return force;
-        }
-        if line != base_line {
+    pub(super) fn clamp_unit(&self, base_line: Option<FrequencyRatio>, line: usize) -> Complex64 {
+        let Some(own) = base_line else { return self.force.get(line).copied().unwrap_or_default() };
+        if own.line(self.driven()) != Some(line) {
             return Complex64::ZERO;
         }
         Complex64::from_polar(-(line as f64 * self.omega).powi(-2), line as f64 * self.base_phase)
@@ -218,13 +217,14 @@ impl Evaluation<'_> {
     }
 
     pub fn contact(&self) -> Contact<'_> {
+        let modulation = self.setting.modulation.line(self.lines.driven()).unwrap_or(0);
         Contact {
             law: &self.setting.law,
             dt: std::f64::consts::TAU / self.lines.omega / self.grid.samples() as f64,
             preload: self.lines.preload,
             progress: self.lines.progress,
-            modulation: self.setting.modulation,
-            modulation_phase: self.setting.modulation as f64 * self.lines.base_phase,
+            modulation,
+            modulation_phase: modulation as f64 * self.lines.base_phase,
         }
     }
 

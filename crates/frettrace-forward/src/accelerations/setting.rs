@@ -1,5 +1,6 @@
 //! What the model is made of: the declared rig and the values of everything that may be fitted.
 
+use super::phase::FrequencyRatio;
 use super::ports::{COEFFICIENTS, PortLaw};
 use super::run::RunLines;
 use frettrace_beam::{BeamError, Boundary, ModalModel, ModalOptions, UniformBeam};
@@ -92,6 +93,10 @@ pub enum Quantity {
     ModeFrequency(usize),
     /// Damping ratio of a measured mode.
     ModeDamping(usize),
+    /// Relative change of all natural frequencies, those that nobody measured among them.
+    FrequencyScale,
+    /// Relative change of all damping ratios.
+    DampingScale,
     /// Hook of the friction law.
     Law(Hook),
     /// Coefficient of a port.
@@ -135,13 +140,17 @@ pub struct Setting {
     pub frequency: Vec<f64>,
     /// Their damping ratios.
     pub damping: Vec<f64>,
+    /// Relative change of all natural frequencies and of all damping ratios, those that nobody measured among them.
+    pub frequency_scale: f64,
+    /// See `frequency_scale`.
+    pub damping_scale: f64,
     /// The friction law.
     pub law: ModifiedLaw<f64>,
     /// Whether the bristle is rigid where the law has no presliding range of its own: friction is then set-valued at rest,
     /// and the law's stiffness is not used.
     pub rigid: bool,
-    /// Order of the line with which the preload is modulated.
-    pub modulation: usize,
+    /// Frequency with which the preload is modulated.
+    pub modulation: FrequencyRatio,
     /// Memoryless forces on the structure.
     pub ports: Vec<Port>,
     /// Added mass (kg) and its position (m).
@@ -158,9 +167,9 @@ pub struct Setting {
     pub contact_compliance: f64,
     /// Motion of the base, real and imaginary part: per excitation force (m/N), or an acceleration (m/s²) on one line.
     pub base: Option<[f64; 2]>,
-    /// The line on which the clamp has an acceleration of its own, in phase with the excitation; 0 where its motion follows
+    /// The line on which the clamp has an acceleration of its own, in phase with the excitation; `None` where its motion follows
     /// the excitation on every line.
-    pub base_line: usize,
+    pub base_line: Option<FrequencyRatio>,
     /// Lines of the motion of the base in every run (m), known from elsewhere; `base` is then a factor on them.
     pub base_motion: Option<Arc<Vec<Vec<Complex64>>>>,
     /// Sensors.
@@ -186,9 +195,11 @@ impl Setting {
         Self {
             frequency,
             damping,
+            frequency_scale: 0.0,
+            damping_scale: 0.0,
             law,
             rigid: false,
-            modulation: 1,
+            modulation: FrequencyRatio::ONE,
             ports: Vec::new(),
             mass: None,
             clamp_compliance: 0.0,
@@ -196,7 +207,7 @@ impl Setting {
             drift_course: [0.0; 2],
             contact_compliance: 0.0,
             base: None,
-            base_line: 0,
+            base_line: None,
             base_motion: None,
             sensors: vec![SensorSetting::default(); sensors],
         }
@@ -223,6 +234,8 @@ impl Setting {
         match quantity {
             Quantity::ModeFrequency(n) => self.frequency.get(n).copied(),
             Quantity::ModeDamping(n) => self.damping.get(n).copied(),
+            Quantity::FrequencyScale => Some(self.frequency_scale),
+            Quantity::DampingScale => Some(self.damping_scale),
             Quantity::Law(hook) => self.law.get(hook),
             Quantity::Port(p, k) => self.ports.get(p).and_then(|port| port.coefficients.get(k).copied()),
             Quantity::PortPosition(p) => self.ports.get(p).and_then(|port| match port.place {
@@ -256,6 +269,8 @@ impl Setting {
             Quantity::ModeFrequency(_) | Quantity::ModeDamping(_) | Quantity::ContactCompliance => {
                 return false;
             }
+            Quantity::FrequencyScale => self.frequency_scale = 0.0,
+            Quantity::DampingScale => self.damping_scale = 0.0,
             Quantity::Law(hook) => self.law.clear(hook),
             Quantity::Port(p, _) | Quantity::PortPosition(p) if p + 1 < self.ports.len() => return false,
             Quantity::Port(p, _) | Quantity::PortPosition(p) => self.ports.truncate(p),
@@ -265,7 +280,7 @@ impl Setting {
             Quantity::DriftRate => self.drift_course[0] = 0.0,
             Quantity::DriftSlowing => self.drift_course[1] = 0.0,
             Quantity::BaseReal | Quantity::BaseImaginary => {
-                (self.base, self.base_line, self.base_motion) = (None, 0, None);
+                (self.base, self.base_line, self.base_motion) = (None, None, None);
             }
             Quantity::Gain(k) => sensor(&mut self.sensors, k, |s| s.gain = 1.0),
             Quantity::Delay(k) => sensor(&mut self.sensors, k, |s| s.delay = 0.0),
@@ -285,6 +300,8 @@ impl Setting {
             }
             Quantity::ModeFrequency(n) => self.frequency.get_mut(n),
             Quantity::ModeDamping(n) => self.damping.get_mut(n),
+            Quantity::FrequencyScale => Some(&mut self.frequency_scale),
+            Quantity::DampingScale => Some(&mut self.damping_scale),
             Quantity::Port(p, k) => self.ports.get_mut(p).and_then(|port| port.coefficients.get_mut(k)),
             Quantity::PortPosition(p) => self.ports.get_mut(p).and_then(|port| match &mut port.place {
                 PortPlace::At(position) => Some(position),

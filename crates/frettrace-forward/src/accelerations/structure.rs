@@ -9,6 +9,12 @@ use num_complex::Complex64;
 #[derive(Clone, Debug)]
 pub(super) struct Structure {
     model: ModalModel,
+    /// Natural frequency and damping ratio of every mode before both are scaled, as far as no setting holds them.
+    own: Vec<(f64, f64)>,
+    /// Scales of all natural frequencies and of all damping ratios. A structure whose frequencies scale by `s` has `1/s²` of the static
+    /// flexibility.
+    stretch: f64,
+    loss: f64,
     /// Ratios by which a compliant clamp lowers the measured frequencies; empty where it is stiff.
     clamp: Vec<f64>,
     /// `participation[mode·count + functional]`.
@@ -138,8 +144,13 @@ impl Structure {
             .flat_map(|shape| pairs().map(|(row, column)| shape[row] * shape[column]))
             .collect();
         let rigid = if setting.base.is_some() { rigid_participation(rig, &model) } else { Vec::new() };
-        Ok(Self {
+        let own =
+            model.natural_frequency().iter().copied().zip(model.damping_ratio().iter().copied()).collect();
+        let mut structure = Self {
             model,
+            own,
+            stretch: 1.0,
+            loss: 1.0,
             clamp,
             participation,
             count,
@@ -153,14 +164,22 @@ impl Structure {
             drift_course: setting.drift_course,
             contact_compliance: setting.contact_compliance,
             rigid,
-        })
+        };
+        structure.retune(setting);
+        Ok(structure)
     }
 
     /// Takes over frequencies, damping, mass and drift; the points stay.
     pub fn retune(&mut self, setting: &Setting) {
-        for (mode, (&frequency, &damping)) in setting.frequency.iter().zip(&setting.damping).enumerate() {
-            self.model.set_mode(mode, self.lowered(mode) * frequency, damping);
+        let [stretch, loss] = [1.0 + setting.frequency_scale, 1.0 + setting.damping_scale];
+        for mode in 0..self.own.len() {
+            let (mut frequency, mut damping) = self.own[mode];
+            if let (Some(known), Some(loss)) = (setting.frequency.get(mode), setting.damping.get(mode)) {
+                (frequency, damping) = (self.lowered(mode) * known, *loss);
+            }
+            self.model.set_mode(mode, stretch * frequency, loss * damping);
         }
+        (self.stretch, self.loss) = (stretch, loss);
         self.mass = setting.mass.map(|m| m[0]);
         self.drift = setting.drift;
         self.drift_course = setting.drift_course;
@@ -200,7 +219,7 @@ impl Structure {
 
     fn fill(&self, wide: &mut [Complex64], omega: f64) {
         for (value, &residual) in wide.iter_mut().zip(&self.residual) {
-            *value = Complex64::from(residual);
+            *value = Complex64::from(residual / (self.stretch * self.stretch));
         }
         for (mode, products) in self.products.chunks_exact(wide.len()).enumerate() {
             let gain = self.model.modal_receptance(mode, omega);
@@ -220,7 +239,7 @@ impl Structure {
         let (rows, columns) = (self.layout.rows(), self.layout.columns());
         let shape = &self.participation[mode * self.count..(mode + 1) * self.count];
         let mut values = Vec::with_capacity((order + 1) * rows * columns);
-        let inner = if damping { 1.0 } else { self.lowered(mode) };
+        let inner = if damping { self.loss } else { self.stretch * self.lowered(mode) };
         for line in 0..=order {
             let gradient = self.model.modal_receptance_gradient(mode, line as f64 * omega);
             let gain = gradient[usize::from(damping)] * inner;

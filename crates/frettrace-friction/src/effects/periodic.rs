@@ -35,7 +35,7 @@ pub struct Periodic<'a> {
     pub preload: f64,
     /// Place of the run between the first (0) and the last (1).
     pub progress: f64,
-    /// Line of the base frequency with which the preload is modulated, where the law has that.
+    /// Line of the base frequency with which the preload is modulated, where the law has that; 0 where this run has no such line.
     pub modulation: usize,
     /// Phase of that line at the first sample (rad).
     pub modulation_phase: f64,
@@ -64,6 +64,9 @@ impl Periodic<'_> {
     }
 
     fn phase(&self, k: usize) -> [f64; 2] {
+        if self.modulation == 0 {
+            return [0.0; 2];
+        }
         let samples = self.slip.len();
         let turns = (self.modulation * k % samples) as f64 / samples as f64;
         let angle = std::f64::consts::TAU * turns + self.modulation_phase;
