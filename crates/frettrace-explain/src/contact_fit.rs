@@ -40,6 +40,7 @@ pub(crate) struct Recovered {
     dt: f64,
     preload: f64,
     progress: f64,
+    worked: f64,
     /// Line of the excitation.
     driven: usize,
     /// Phase at the first sample of a base line that follows the excitation (rad).
@@ -149,6 +150,7 @@ impl Recovered {
             dt,
             preload: lines.preload,
             progress: lines.progress,
+            worked: lines.worked,
             driven: lines.driven(),
             base_phase: lines.base_phase,
             give: balance.slip_gain[0].re,

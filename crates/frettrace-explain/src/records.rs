@@ -244,6 +244,7 @@ impl RunRecord {
             omega: force.harmonics.base,
             preload: run.preload,
             progress,
+            worked: progress,
             force: force_lines(&force, order),
             acceleration,
             deviation,

@@ -33,6 +33,12 @@ pub struct Series {
 }
 
 impl Series {
+    /// Power (W) that the contact takes, the mean of force times slip velocity.
+    pub(crate) fn dissipated(&self) -> f64 {
+        let sum: f64 = self.force.iter().zip(&self.velocity).map(|(force, velocity)| force * velocity).sum();
+        sum / self.force.len().max(1) as f64
+    }
+
     /// Samples at the start of a record that only settle the law's state: the first tenth of them, and so many more that a
     /// transform of the rest is quick (a number of factors 2, 3 and 5).
     #[must_use]
@@ -156,11 +162,7 @@ pub(crate) struct SeriesContact {
 impl SeriesContact {
     /// Prepares the last `most` samples of a run, of a contact that is `rigid` or yields; `None` where no bin of its force is
     /// known.
-    pub fn new(
-        series: &Series,
-        (preload, progress): (f64, f64),
-        (rigid, most): (bool, usize),
-    ) -> Option<Self> {
+    pub fn new(series: &Series, circumstance: Circumstance, (rigid, most): (bool, usize)) -> Option<Self> {
         let series = series.last(most);
         let trial = if rigid { series.trial() } else { Vec::new() };
         let measured = Series::amplitudes(&series.force);
@@ -170,7 +172,6 @@ impl SeriesContact {
         let size: f64 = known.iter().map(|&k| measured[k].norm_sqr()).sum();
         let least = ACCURACY * (0.5 * size / known.len().max(1) as f64).sqrt();
         let bins = known.iter().map(|&k| (k, deviation(k).hypot(least))).collect::<Vec<_>>();
-        let circumstance = Circumstance { preload, progress, ..Circumstance::default() };
         (!bins.is_empty()).then_some(Self { series, trial, circumstance, bins, measured })
     }
 
@@ -301,6 +302,11 @@ impl SeriesContact {
 
 #[cfg(test)]
 mod tests {
+    /// A run under a preload (N).
+    fn pressed(preload: f64) -> Circumstance {
+        Circumstance { preload, ..Circumstance::default() }
+    }
+
     use super::*;
 
     /// A slip of two incommensurable tones, and the force of a law along it.
@@ -351,7 +357,7 @@ mod tests {
         let [plain, falling] = laws();
         // A part begins with another state than at rest; its first tenth, a period of the motion, wears that off.
         for (most, rest) in [(4096, 1e-9), (1024, 1e-3)] {
-            let contact = SeriesContact::new(&series(&falling), (20.0, 0.0), (false, most)).unwrap();
+            let contact = SeriesContact::new(&series(&falling), pressed(20.0), (false, most)).unwrap();
             assert!(contact.error(&falling) < rest, "{}", contact.error(&falling));
             assert!(contact.error(&plain) > 0.05, "{}", contact.error(&plain));
             assert!(contact.cost(&plain) > 20.0 * contact.count() as f64);
@@ -364,11 +370,11 @@ mod tests {
     fn a_drift_that_no_sensor_sees_is_not_the_laws() {
         let [plain, falling] = laws();
         let mut recovered = series(&falling);
-        let whole = SeriesContact::new(&recovered, (20.0, 0.0), (false, usize::MAX)).unwrap();
+        let whole = SeriesContact::new(&recovered, pressed(20.0), (false, usize::MAX)).unwrap();
         let mut drift = [0.0; SLOW];
         (drift[0], drift[2], drift[6]) = (4e-4, -1e-4, 5e-5);
         recovered.force = whole.answer_beside(&falling, &drift);
-        let contact = SeriesContact::new(&recovered, (20.0, 0.0), (false, usize::MAX)).unwrap();
+        let contact = SeriesContact::new(&recovered, pressed(20.0), (false, usize::MAX)).unwrap();
         let size: f64 = contact.bins.iter().map(|(k, _)| contact.measured[*k].norm_sqr()).sum();
         let blind = contact.left_beside(&falling, &[0.0; SLOW]).norm() / size.sqrt();
         assert!(blind > 0.1, "{blind}");
@@ -415,7 +421,7 @@ mod tests {
             open_share: 0.0,
         };
         let error = |rigid: bool, law: &ModifiedLaw<f64>| {
-            SeriesContact::new(&series, (load, 0.0), (rigid, usize::MAX)).unwrap().error(law)
+            SeriesContact::new(&series, pressed(load), (rigid, usize::MAX)).unwrap().error(law)
         };
         assert!(error(true, &law) < 0.02, "{}", error(true, &law));
         assert!(error(true, &plain) > 0.1, "{}", error(true, &plain));

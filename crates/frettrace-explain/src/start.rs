@@ -2,6 +2,7 @@
 
 use crate::Case;
 use crate::case::Scales;
+use crate::split::by_level;
 use frettrace_forward::accelerations::{AccelerationError, AccelerationModel, Balance, Setting};
 use frettrace_fourier::{Grid, GridError};
 use frettrace_friction::effects::{Hook, ModifiedLaw};
@@ -122,6 +123,70 @@ pub(crate) fn scales(case: &Case, histories: &[ContactHistory]) -> Scales {
         mass: case.rig.beam.mass_per_length * case.rig.beam.length,
         subharmonic: common(case.records.iter().filter(|r| r.periodic).map(|r| r.subharmonic)).max(1),
     }
+}
+
+/// Place of every run between the first and the last in the work that friction had done by the middle of it, from the recovered
+/// forces; that of the number of the run where friction does none. What was done in runs held out is told by those next to them in level.
+pub(crate) fn worked(
+    case: &Case,
+    model: &AccelerationModel,
+    setting: &Setting,
+    held_out: &[usize],
+) -> Result<Vec<f64>, AccelerationError> {
+    let all: Vec<usize> = (0..case.records.len()).collect();
+    let balances = model.balance(setting, &all)?;
+    let power = |k: usize| {
+        let record = &case.records[k];
+        if held_out.contains(&k) {
+            return None;
+        }
+        match (&record.series, record.periodic) {
+            (_, true) => Some(dissipated(&balances[k], record.lines.omega)),
+            (Some(series), false) => Some(series.dissipated()),
+            (None, false) => None,
+        }
+    };
+    let known: Vec<Option<f64>> = all.iter().map(|&k| power(k)).collect();
+    let work = told_by_next(&by_level(case, &all), &known);
+    let duration = |k: usize| case.records[k].samples as f64 / case.records[k].sampling_rate;
+    let mut before = 0.0;
+    let middle: Vec<f64> = all
+        .iter()
+        .map(|&k| {
+            let own = work[k].max(0.0) * duration(k);
+            before += own;
+            before - 0.5 * own
+        })
+        .collect();
+    let [first, last] = [middle.first(), middle.last()].map(|end| end.copied().unwrap_or_default());
+    let place = |k: usize| match last - first {
+        whole if whole > 0.0 && whole.is_finite() => (middle[k] - first) / whole,
+        _ => case.records[k].lines.progress,
+    };
+    Ok(all.iter().map(|&k| place(k)).collect())
+}
+
+/// Power (W) that the contact takes, `½ Σ Re(F_h v_h*)`.
+fn dissipated(balance: &Balance, omega: f64) -> f64 {
+    let lines = balance.force.iter().zip(&balance.slip).enumerate();
+    lines
+        .map(|(h, (force, slip))| 0.5 * (force * (slip * Complex64::new(0.0, h as f64 * omega)).conj()).re)
+        .sum()
+}
+
+/// Values of all runs, ranked by level; one that is not known lies between those next to it on a logarithmic scale.
+fn told_by_next(ranked: &[usize], known: &[Option<f64>]) -> Vec<f64> {
+    let mut all = vec![0.0; known.len()];
+    for (place, &run) in ranked.iter().enumerate() {
+        let below = ranked[..place].iter().rev().find_map(|&k| known[k]);
+        let above = ranked[place..].iter().find_map(|&k| known[k]);
+        all[run] = match (known[run], below, above) {
+            (Some(own), ..) => own,
+            (None, Some(below), Some(above)) => (below.max(0.0) * above.max(0.0)).sqrt(),
+            (None, below, above) => below.or(above).unwrap_or_default(),
+        };
+    }
+    all
 }
 
 /// Greatest common divisor; 0 of nothing.

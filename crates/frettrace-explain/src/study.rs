@@ -117,22 +117,23 @@ impl<'a> Study<'a> {
         let held_out = split.held_out(&by_level(case, &periodic));
         let training: Vec<usize> = periodic.into_iter().filter(|k| !held_out.contains(k)).collect();
         let lines = case.records.iter().map(|r| model_lines(case, r)).collect();
-        let model = AccelerationModel::new(case.rig.clone(), lines)?;
+        let mut model = AccelerationModel::new(case.rig.clone(), lines)?;
         let blank = case.setting(ModifiedLaw::dahl(1.0, 1.0));
         let histories = start::histories(case, &model, &blank, &training)?;
+        let worked = start::worked(case, &model, &blank, &held_out)?;
+        model.runs.iter_mut().zip(&worked).for_each(|(run, worked)| run.worked = *worked);
         let law = start::law(case.law, &histories);
         let scales = start::scales(case, &histories);
         let series = case.records.iter().enumerate().filter(|(_, record)| !record.periodic);
         let series = series.filter_map(|(run, record)| {
-            let lines = &record.lines;
             let series = record.series.as_ref()?;
             let most = if law.get(Hook::Breakaway).is_some() {
                 (PARTIAL_SLIP_PERIODS * scales.period / series.dt).ceil() as usize
             } else {
                 usize::MAX
             };
-            let contact =
-                SeriesContact::new(series, (lines.preload, lines.progress), (case.law.is_static(), most))?;
+            let circumstance = model.runs[run].circumstance();
+            let contact = SeriesContact::new(series, circumstance, (case.law.is_static(), most))?;
             Some((run, Arc::new(contact)))
         });
         let series = series.collect();

@@ -21,6 +21,7 @@ impl Recovered {
             dt: self.dt,
             preload: self.preload,
             progress: self.progress,
+            worked: self.worked,
             modulation,
             modulation_phase: modulation as f64 * self.base_phase,
         }

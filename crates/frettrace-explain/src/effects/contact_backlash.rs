@@ -1,6 +1,7 @@
 //! `contact.backlash`.
 //!
-//! *Adds*: play between the beam and the contact: after a reversal nothing moves the bristles until it is taken up.
+//! *Adds*: play between the beam and the contact: after a reversal nothing moves the bristles until it is taken up; or a
+//! clearance beside the contact with a spring behind it at either end.
 //!
 //! *Shows as*: a delay of the contact force after every reversal, the same length at every level.
 //!
@@ -29,10 +30,22 @@ impl Effect for ContactBacklash {
         "quasi-static loops: with play the force rests on a plateau after each reversal"
     }
 
-    fn contact_forms(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
-        [0.03, 0.15]
-            .map(|share| ContactForm::new(vec![Change::positive(Hook::Backlash, share * scales.slip, 1e-4)]))
-            .into()
+    fn contact_forms(&self, law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
+        let play =
+            |share| ContactForm::new(vec![Change::positive(Hook::Backlash, share * scales.slip, 1e-4)]);
+        // A clearance beside the contact that closes onto a spring at either end.
+        let stiffness = 0.2 * law.get(Hook::MuKinetic).unwrap_or(0.3) * scales.preload / scales.slip;
+        let shoulders = |share: f64| {
+            ContactForm::new(vec![
+                Change::from_zero(Hook::ShoulderStiffness, stiffness),
+                Change::between(
+                    Hook::ShoulderGap,
+                    share * scales.slip,
+                    (0.02 * scales.slip, 0.98 * scales.slip),
+                ),
+            ])
+        };
+        vec![play(0.03), play(0.15), shoulders(0.35), shoulders(0.7)]
     }
 
     fn shape(&self, _scales: &Scales) -> Vec<Change> {

@@ -1,6 +1,6 @@
 //! `contact.tangential-stiffness`.
 //!
-//! *Adds*: a spring beside the contact (or a compliance in series with it).
+//! *Adds*: a spring beside the contact, straight or cubic, or a compliance in series with it.
 //!
 //! *Shows as*: a force in phase with slip that does not saturate with the level.
 //!
@@ -38,6 +38,13 @@ impl Effect for ContactTangentialStiffness {
                 Hook::SeriesCompliance,
                 0.1 / (sigma0 * scales.preload),
             )]),
+            ContactForm::new(vec![Change::signed(Hook::ParallelCubic, size / (scales.slip * scales.slip))]),
         ]
+    }
+
+    /// A spring beside the contact that hardens or softens.
+    fn shape(&self, scales: &Scales) -> Vec<Change> {
+        let size = 0.02 * scales.preload / scales.slip.powi(3);
+        vec![Change { start: 0.0, ..Change::signed(Hook::ParallelCubic, size) }]
     }
 }

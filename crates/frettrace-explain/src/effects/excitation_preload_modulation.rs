@@ -1,6 +1,6 @@
 //! `excitation.preload-modulation`.
 //!
-//! *Adds*: a preload that varies with the excitation or its second harmonic, as a sine or as a steeper wave `tanh(κ cos ψ)/tanh κ`.
+//! *Adds*: a preload that varies with the excitation or its second or third harmonic, as a sine or as a steeper wave `tanh(κ cos ψ)/tanh κ`.
 //!
 //! *Shows as*: friction that follows a normal force of its own.
 //!
@@ -31,11 +31,11 @@ impl Effect for ExcitationPreloadModulation {
     }
 
     fn contact_forms(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
-        // The excitation's line, its double, and the lines below it where all runs move at a fraction of it.
+        // The excitation's line, its double and triple, and the lines below it where all runs move at a fraction of it.
         let under = scales.subharmonic.max(1);
         let below = (1..under).map(|over| FrequencyRatio { over, under });
         below
-            .chain([FrequencyRatio::ONE, FrequencyRatio::TWO])
+            .chain([FrequencyRatio::ONE, FrequencyRatio::TWO, FrequencyRatio::THREE])
             .flat_map(|modulation| {
                 let sine = vec![
                     Change::linear(Hook::ModulationCosine, 0.02, 0.05, (-1.5, 1.5)),

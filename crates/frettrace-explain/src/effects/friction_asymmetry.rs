@@ -1,6 +1,7 @@
 //! `friction.asymmetry`.
 //!
-//! *Adds*: a friction coefficient that differs between the two directions, `μ(1 + a·sgn v)`, at once or going over with the velocity.
+//! *Adds*: a friction coefficient that differs between the two directions, `μ(1 + a·sgn v)`, at once or going over with the velocity;
+//! or bristles that are stiffer and stronger to one side.
 //!
 //! *Shows as*: even harmonics of the force that appear with sliding.
 //!
@@ -33,7 +34,12 @@ impl Effect for FrictionAsymmetry {
         let share = || Change::linear(Hook::Asymmetry, 0.02, 0.02, (-0.9, 0.9));
         let mut over = vec![share()];
         over.push(turning(scales));
-        vec![ContactForm::new(vec![share()]), ContactForm::new(over)]
+        // Stiffer and stronger to one side, whichever way it moves.
+        let sided = vec![
+            Change::linear(Hook::BristleAsymmetry, 0.02, 0.02, (-0.9, 0.9)),
+            Change::between(Hook::BristleTurn, 0.2, (0.01, 2.0)),
+        ];
+        vec![ContactForm::new(vec![share()]), ContactForm::new(over), ContactForm::new(sided)]
     }
 
     /// Another laboratory's coefficient turns over smoothly with the velocity.

@@ -1,6 +1,6 @@
 //! `friction.lag`.
 //!
-//! *Adds*: a friction coefficient (or force) that follows the motion with a delay.
+//! *Adds*: a friction coefficient (or force) that follows the motion as a lag of first order, at a bounded rate, or with a delay.
 //!
 //! *Shows as*: loops whose sliding branches differ between rising and falling speed.
 //!
@@ -48,6 +48,11 @@ impl Effect for FrictionLag {
             forms.push(ContactForm::new(vec![time]));
         }
         forms
+    }
+
+    /// From a lag of first order to a delay.
+    fn shape(&self, _scales: &Scales) -> Vec<Change> {
+        vec![Change::linear(Hook::LagDelay, 0.0, 0.3, (-0.9, 1.5))]
     }
 
     fn is_idle(&self, law: &ModifiedLaw<f64>, reach: Reach) -> bool {

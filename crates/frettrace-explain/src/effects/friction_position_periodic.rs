@@ -1,6 +1,7 @@
 //! `friction.position-periodic`.
 //!
-//! *Adds*: a friction coefficient periodic in slip, `μ(1 + Σ_k c_k cos kqu + s_k sin kqu)`, up to the third harmonic and as sharp as a triangle where the data ask for it.
+//! *Adds*: a friction coefficient periodic in slip, `μ(1 + Σ_k c_k cos kqu + s_k sin kqu)`, up to the third harmonic and as sharp as a triangle where
+//! the data ask for it; or a force `N(c cos qu + s sin qu)`, whichever way the contact moves.
 //!
 //! *Shows as*: ripples of the sliding branches at fixed positions.
 //!
@@ -31,15 +32,18 @@ impl Effect for FrictionPositionPeriodic {
 
     fn contact_forms(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
         // Waves in the largest slip: neighbours are half a wave apart there, so that one of them is in the valley of the right one.
-        [0.3, 0.6, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0]
-            .map(|waves| {
-                ContactForm::new(vec![
-                    Change::linear(Hook::PeriodicCosine, 0.03, 0.05, (-0.9, 0.9)),
-                    Change::linear(Hook::PeriodicSine, 0.03, 0.05, (-0.9, 0.9)),
-                    Change::positive(Hook::PeriodicNumber, std::f64::consts::TAU * waves / scales.slip, 0.02),
-                ])
-            })
-            .into()
+        let coefficient = [Hook::PeriodicCosine, Hook::PeriodicSine];
+        // A force that holds in the valleys and pushes out of the hills, whichever way the contact moves.
+        let lattice = [Hook::LatticeCosine, Hook::LatticeSine];
+        let form = |shares: [Hook; 2], waves: f64| {
+            let number =
+                Change::positive(Hook::PeriodicNumber, std::f64::consts::TAU * waves / scales.slip, 0.02);
+            let shares = shares.map(|hook| Change::linear(hook, 0.03, 0.05, (-0.9, 0.9)));
+            ContactForm::new(shares.into_iter().chain([number]).collect())
+        };
+        let friction =
+            [0.3, 0.6, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0].into_iter().map(|waves| form(coefficient, waves));
+        friction.chain([0.6, 1.0, 2.0, 3.0].into_iter().map(|waves| form(lattice, waves))).collect()
     }
 
     fn shape(&self, _scales: &Scales) -> Vec<Change> {
@@ -52,6 +56,9 @@ impl Effect for FrictionPositionPeriodic {
 
     /// A part of a wave, `c cos qu + s sin qu`, is a change along the path: its series up to `(qu)³`, or a change that ends at `1/q`.
     fn simpler(&self, law: &ModifiedLaw<f64>) -> Vec<Simpler> {
+        if law.get(Hook::PeriodicCosine).is_none() {
+            return Vec::new();
+        }
         let value = |hook| law.get(hook).unwrap_or_default();
         let [c, s, q] = [Hook::PeriodicCosine, Hook::PeriodicSine, Hook::PeriodicNumber].map(value);
         let mean = (1.0 + c).max(0.1);

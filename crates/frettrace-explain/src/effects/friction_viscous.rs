@@ -1,6 +1,7 @@
 //! `friction.viscous`.
 //!
-//! *Adds*: a force `σ2·v` beside the bristles; where the data ask for it `σ2·v + σ2'·v|v|` or `σ2·v·|v/v₀|^{p−1}`.
+//! *Adds*: a force `σ2·v` beside the bristles; where the data ask for it `σ2·v + σ2'·v|v|`, `σ2·v·|v/v₀|^{p−1}` or
+//! `c·N·v`.
 //!
 //! *Shows as*: a force in phase with the slip velocity that grows with the level.
 //!
@@ -46,6 +47,8 @@ impl Effect for FrictionViscous {
                 Change::between(Hook::ViscousPower, 1.0, (0.2, 4.0)),
                 Change::fixed(Hook::ViscousReference, scales.velocity),
             ]),
+            // A film that is sheared where the contact presses it.
+            ContactForm::new(vec![Change::from_zero(Hook::ViscousNormal, size / scales.preload)]),
         ]
     }
 }

@@ -1,6 +1,7 @@
 //! `friction.wear`.
 //!
-//! *Adds*: a friction coefficient that changes from the first run to the last, steadily or ever more slowly.
+//! *Adds*: a friction coefficient that changes from the first run to the last, steadily or ever more slowly, with the number
+//! of the run or with the work that friction has done.
 //!
 //! *Shows as*: a residual that grows from run to run, not with the level.
 //!
@@ -37,6 +38,13 @@ impl Effect for FrictionWear {
             ContactForm::new(vec![change(), course(0.5)]),
             ContactForm::new(vec![change(), course(3.0)]),
             ContactForm::new(vec![change(), Change::between(Hook::WearSettling, 3.0, (-6.0, 12.0))]),
+            // With the work that friction has done, steadily and settling.
+            ContactForm::new(vec![change(), Change::fixed(Hook::WearWork, 1.0)]),
+            ContactForm::new(vec![
+                change(),
+                Change::fixed(Hook::WearWork, 1.0),
+                Change::between(Hook::WearSettling, 3.0, (-6.0, 40.0)),
+            ]),
         ]
     }
 

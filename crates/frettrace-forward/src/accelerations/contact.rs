@@ -21,6 +21,7 @@ pub(super) struct Contact<'a> {
     pub dt: f64,
     pub preload: f64,
     pub progress: f64,
+    pub worked: f64,
     /// Order of the line with which the preload is modulated.
     pub modulation: usize,
     /// Phase of that line at the first sample (rad).
@@ -70,6 +71,7 @@ impl Contact<'_> {
             dt: self.dt,
             preload: self.preload,
             progress: self.progress,
+            worked: self.worked,
             modulation: self.modulation,
             modulation_phase: self.modulation_phase,
         }

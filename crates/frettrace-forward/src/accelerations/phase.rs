@@ -26,6 +26,8 @@ impl FrequencyRatio {
     pub const ONE: Self = Self { over: 1, under: 1 };
     /// Twice that.
     pub const TWO: Self = Self { over: 2, under: 1 };
+    /// Three times that.
+    pub const THREE: Self = Self { over: 3, under: 1 };
 
     /// Its line in a run whose excitation is on line `driven` of the base frequency: runs of one rig may answer on different parts of the
     /// excitation's frequency. `None` where it lies between lines.
@@ -91,6 +93,7 @@ mod tests {
             omega: 100.0,
             preload: 50.0,
             progress: 0.0,
+            worked: 0.0,
             force: vec![Complex64::ZERO, Complex64::ZERO, line(2.0, 3.0.into())],
             acceleration: vec![vec![Complex64::ZERO, line(1.0, half), line(2.0, Complex64::new(0.0, 4.0))]],
             deviation: vec![vec![1e-2; 3]],

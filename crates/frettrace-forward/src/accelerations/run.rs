@@ -5,7 +5,7 @@ use super::phase::FrequencyRatio;
 use super::setting::{PortPlace, Setting};
 use super::structure::{Block, Layout};
 use frettrace_fourier::{Grid, GridScratch};
-use frettrace_friction::effects::ModifiedState;
+use frettrace_friction::effects::{Circumstance, ModifiedState};
 use num_complex::Complex64;
 
 /// What was measured in one run, on lines `h·omega`, `h = 0..=H`.
@@ -17,6 +17,8 @@ pub struct RunLines {
     pub preload: f64,
     /// Place between the first run (0) and the last (1).
     pub progress: f64,
+    /// The same in the work that friction had done by the middle of each run.
+    pub worked: f64,
     /// Excitation force (N).
     pub force: Vec<Complex64>,
     /// Accelerations (m/s²), one vector of lines a sensor.
@@ -38,6 +40,17 @@ impl RunLines {
     #[must_use]
     pub fn order(&self) -> usize {
         self.force.len().saturating_sub(1)
+    }
+
+    /// What a law needs to know of the run beside the motion; no phase of a modulation.
+    #[must_use]
+    pub fn circumstance(&self) -> Circumstance {
+        Circumstance {
+            preload: self.preload,
+            progress: self.progress,
+            worked: self.worked,
+            ..Circumstance::default()
+        }
     }
 
     /// First strong line of the excitation; 1 where there is none.
@@ -223,6 +236,7 @@ impl Evaluation<'_> {
             dt: std::f64::consts::TAU / self.lines.omega / self.grid.samples() as f64,
             preload: self.lines.preload,
             progress: self.lines.progress,
+            worked: self.lines.worked,
             modulation,
             modulation_phase: modulation as f64 * self.lines.base_phase,
         }

@@ -63,9 +63,9 @@ impl<T: Scalar> ModifiedLaw<T> {
         let mut mu = self.at(Hook::MuKinetic);
         if self.on(Hook::StribeckRise) {
             let weight = if self.on(Hook::LagTime) {
-                end.memory
+                self.behind(end, sign)
             } else if self.on(Hook::SpeedLag) || self.on(Hook::VelocityLag) {
-                self.weight(end.memory.abs())
+                self.weight(self.behind(end, sign).abs())
             } else {
                 self.weight(end.speed)
             };
@@ -101,8 +101,11 @@ impl<T: Scalar> ModifiedLaw<T> {
         }
         if self.on(Hook::Wear) {
             let mut course = T::from(circumstance.progress);
-            if self.on(Hook::WearExponent) && circumstance.progress > 0.0 {
-                course = (self.at(Hook::WearExponent) * circumstance.progress.ln()).exp();
+            if self.on(Hook::WearWork) {
+                course += self.at(Hook::WearWork) * (circumstance.worked - circumstance.progress);
+            }
+            if self.on(Hook::WearExponent) && course.re() > 0.0 {
+                course = (self.at(Hook::WearExponent) * course.ln()).exp();
             }
             if self.on(Hook::WearSettling) {
                 let rate = self.at(Hook::WearSettling);
@@ -112,6 +115,14 @@ impl<T: Scalar> ModifiedLaw<T> {
         }
         let least = self.at(Hook::MuKinetic).re().abs() * LEAST_FRICTION + f64::MIN_POSITIVE;
         if mu.re() > least { mu } else { T::from(least) }
+    }
+
+    /// What a lag sets at one end of a stretch.
+    fn behind(&self, end: &End<T>, sign: f64) -> T {
+        if !self.on(Hook::LagDelay) {
+            return end.memory;
+        }
+        end.memory + self.at(Hook::LagDelay) * (end.memory - self.target(end.speed, sign))
     }
 
     /// `1 − n(x^q − 1)/q`, `q = s − n`, `x = N/N₀`, which is `x^{−n}` at `s = 0`; 1 where the contact is all but open.

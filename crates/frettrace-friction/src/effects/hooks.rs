@@ -1,7 +1,7 @@
 //! The parameters of the modified law.
 
 /// Number of hooks.
-pub const HOOKS: usize = 62;
+pub const HOOKS: usize = 71;
 
 /// A parameter of [`ModifiedLaw`](super::ModifiedLaw): those of the declared laws first, then those of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -133,6 +133,25 @@ pub enum Hook {
     /// Power `n` with which play closes, `dw = max(y·sgn v, 0)ⁿ du` with `y = (u − w)/β` and half the play `β` (Bouc and Wen's element with
     /// `γ = ½`): without it all at once.
     BacklashPower,
+    /// Share `a` by which what a lag sets is ahead of it again, `m + a(m − s)`: 0 is a lag of first order, 1 the all-pass of first order, which delays by
+    /// twice its time without another change (Padé).
+    LagDelay,
+    /// Viscous coefficient of the normal force, `c N v` (s/m).
+    ViscousNormal,
+    /// Force along the path over the normal force that comes again with the wave number: cosine share.
+    LatticeCosine,
+    /// The same, sine share.
+    LatticeSine,
+    /// Relative difference of the bristle's force between its two sides, `b(1 + a y/√(1 + y²))` with `y = b/(s μ_k)`.
+    BristleAsymmetry,
+    /// Share `s` of the sliding deflection over which that turns over.
+    BristleTurn,
+    /// Share of a course of wear with the work that friction has done, beside one with the number of the run.
+    WearWork,
+    /// Spring beside the contact that is met beyond a gap on either side (N/m).
+    ShoulderStiffness,
+    /// That gap \[m\].
+    ShoulderGap,
 }
 
 impl Hook {
@@ -200,6 +219,15 @@ impl Hook {
         Self::PositionPower,
         Self::PeriodicSharpness,
         Self::BacklashPower,
+        Self::LagDelay,
+        Self::ViscousNormal,
+        Self::LatticeCosine,
+        Self::LatticeSine,
+        Self::BristleAsymmetry,
+        Self::BristleTurn,
+        Self::WearWork,
+        Self::ShoulderStiffness,
+        Self::ShoulderGap,
     ];
 
     /// Value at which the hook adds nothing, where it measures the size of an effect; `None` for shapes, times and scales.
@@ -235,6 +263,11 @@ impl Hook {
             | Self::ParallelStiffness
             | Self::ParallelCubic
             | Self::Backlash
+            | Self::ViscousNormal
+            | Self::LatticeCosine
+            | Self::LatticeSine
+            | Self::BristleAsymmetry
+            | Self::ShoulderStiffness
             | Self::ModulationCosine
             | Self::ModulationSine => Some(0.0),
             _ => None,
@@ -307,6 +340,15 @@ impl Hook {
             Self::ViscousReference => ("viscous_reference", "m/s"),
             Self::LagSaturation => ("lag_saturation", "1"),
             Self::ModulationSteepness => ("modulation_steepness", "1"),
+            Self::LagDelay => ("lag_delay", "1"),
+            Self::ViscousNormal => ("sigma2_normal", "s/m"),
+            Self::LatticeCosine => ("lattice_cosine", "1"),
+            Self::LatticeSine => ("lattice_sine", "1"),
+            Self::BristleAsymmetry => ("bristle_asymmetry", "1"),
+            Self::BristleTurn => ("bristle_turn", "1"),
+            Self::WearWork => ("wear_by_work", "1"),
+            Self::ShoulderStiffness => ("shoulder_stiffness", "N/m"),
+            Self::ShoulderGap => ("shoulder_gap", "m"),
         }
     }
 }

@@ -18,13 +18,15 @@ pub struct Circumstance {
     pub preload: f64,
     /// Place of the run between the first (0) and the last (1).
     pub progress: f64,
+    /// The same in the work that friction had done by the middle of it.
+    pub worked: f64,
     /// Cosine and sine of the modulation's phase at the old and the new sample.
     pub phase: [[f64; 2]; 2],
 }
 
 impl Default for Circumstance {
     fn default() -> Self {
-        Self { preload: 0.0, progress: 0.0, phase: [[1.0, 0.0]; 2] }
+        Self { preload: 0.0, progress: 0.0, worked: 0.0, phase: [[1.0, 0.0]; 2] }
     }
 }
 
@@ -112,6 +114,17 @@ impl<T: Scalar> ModifiedLaw<T> {
         if self.on(Hook::Sigma1) {
             ratio += self.damping(b, (velocity, pressed), friction());
         }
+        if self.on(Hook::BristleAsymmetry) {
+            let side = b / (self.at(Hook::BristleTurn) * self.at(Hook::MuKinetic));
+            ratio *= self.at(Hook::BristleAsymmetry) * side / (side * side + 1.0).sqrt() + 1.0;
+        }
+        if self.on(Hook::LatticeCosine) {
+            let (sine, cosine) = (self.at(Hook::PeriodicNumber) * end.slip).sin_cos();
+            ratio += self.at(Hook::LatticeCosine) * cosine + self.at(Hook::LatticeSine) * sine;
+        }
+        if self.on(Hook::ViscousNormal) {
+            ratio += self.at(Hook::ViscousNormal) * velocity;
+        }
         let mut force = pressed * ratio;
         if self.on(Hook::Viscous) {
             force += self.at(Hook::Viscous) * velocity * self.thickening(velocity);
@@ -121,6 +134,15 @@ impl<T: Scalar> ModifiedLaw<T> {
         }
         if self.on(Hook::ParallelStiffness) {
             force += self.at(Hook::ParallelStiffness) * end.slip;
+        }
+        if self.on(Hook::ShoulderStiffness) {
+            let (side, gap) = (sense(end.slip), self.at(Hook::ShoulderGap));
+            let pushed = end.slip - gap * side;
+            force += if pushed.re() * side > 0.0 {
+                self.at(Hook::ShoulderStiffness) * pushed
+            } else {
+                T::from(0.0)
+            };
         }
         if self.on(Hook::ParallelCubic) {
             force += self.at(Hook::ParallelCubic) * end.slip * end.slip * end.slip;

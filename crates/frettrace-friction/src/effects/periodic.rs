@@ -35,6 +35,8 @@ pub struct Periodic<'a> {
     pub preload: f64,
     /// Place of the run between the first (0) and the last (1).
     pub progress: f64,
+    /// The same in the work that friction had done by the middle of it.
+    pub worked: f64,
     /// Line of the base frequency with which the preload is modulated, where the law has that; 0 where this run has no such line.
     pub modulation: usize,
     /// Phase of that line at the first sample (rad).
@@ -60,7 +62,7 @@ impl Periodic<'_> {
     pub fn circumstance<T: Scalar>(&self, law: &ModifiedLaw<T>, k: usize) -> Circumstance {
         let modulated = law.on(Hook::ModulationCosine);
         let phase = if modulated { [self.phase(k), self.phase(self.next(k))] } else { [[1.0, 0.0]; 2] };
-        Circumstance { preload: self.preload, progress: self.progress, phase }
+        Circumstance { preload: self.preload, progress: self.progress, worked: self.worked, phase }
     }
 
     fn phase(&self, k: usize) -> [f64; 2] {

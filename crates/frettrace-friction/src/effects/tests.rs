@@ -1,5 +1,7 @@
 //! What the modified law must satisfy.
 
+mod formulas;
+
 use super::{Circumstance, Hook, ModifiedLaw, ModifiedState, Periodic, Reached};
 use crate::law::Step;
 use num_dual::Dual64;
@@ -375,6 +377,7 @@ impl Course {
             dt: 0.05 / SAMPLES as f64,
             preload: 50.0,
             progress: 0.4,
+            worked: 0.7,
             modulation: 3,
             modulation_phase: 0.7,
         }

@@ -116,8 +116,7 @@ impl Record {
         let mut bins: Vec<(usize, f64)> = known.iter().map(|&k| (k, deviation(k) * slope(k))).collect();
         share_accuracy(&measured, &mut bins);
         let trial = series.force.iter().zip(&series.velocity).map(|(f, v)| f + resistance * v).collect();
-        let circumstance =
-            Circumstance { preload: lines.preload, progress: lines.progress, ..Circumstance::default() };
+        let circumstance = lines.circumstance();
         Ok(Some(Self { series: series.clone(), circumstance, trial, bins, measured }))
     }
 
@@ -184,6 +183,7 @@ fn receptance(
         omega: spacing(series),
         preload: 1.0,
         progress: 0.5,
+        worked: 0.5,
         force: vec![Complex64::ZERO; bins],
         acceleration: vec![vec![Complex64::ZERO; bins]; sensors],
         deviation: vec![vec![1.0; bins]; sensors],
