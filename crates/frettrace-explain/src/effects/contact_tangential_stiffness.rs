@@ -44,7 +44,9 @@ impl Effect for ContactTangentialStiffness {
 
     /// A spring beside the contact that hardens or softens.
     fn shape(&self, scales: &Scales) -> Vec<Change> {
-        let size = 0.02 * scales.preload / scales.slip.powi(3);
-        vec![Change { start: 0.0, ..Change::signed(Hook::ParallelCubic, size) }]
+        let size = 0.02 * scales.preload / scales.slip;
+        [(Hook::ParallelStiffness, size), (Hook::ParallelCubic, size / (scales.slip * scales.slip))]
+            .map(|(hook, size)| Change { start: 0.0, ..Change::signed(hook, size) })
+            .into()
     }
 }
