@@ -32,6 +32,14 @@ pub(crate) struct BalanceCandidate {
     pub reduced: f64,
 }
 
+impl BalanceCandidate {
+    /// What forms have in common that only the whole model tells apart: the effect, and whether it moves one mode or all of them.
+    pub fn kind(&self) -> (usize, bool) {
+        let all = |u: &Unknown| matches!(u.quantity, Quantity::FrequencyScale | Quantity::DampingScale);
+        (self.effect, self.unknowns.iter().any(all))
+    }
+}
+
 impl<'a> BalanceProblem<'a> {
     fn new(study: &'a Study<'_>, setting: Setting, unknowns: &[Unknown]) -> Self {
         Self {
@@ -262,7 +270,7 @@ impl Study<'_> {
         found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
         let mut best: Vec<BalanceCandidate> = Vec::new();
         for candidate in found {
-            if !best.iter().any(|b| b.effect == candidate.effect) {
+            if !best.iter().any(|b| b.kind() == candidate.kind()) {
                 best.push(candidate);
             }
         }

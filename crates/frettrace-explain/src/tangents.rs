@@ -58,13 +58,15 @@ impl Study<'_> {
         let steady = STEADY.par_iter().flat_map_iter(|id| self.changes(current, id, &known));
         let mut found: Vec<BalanceCandidate> = forces.chain(steady).collect();
         found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
-        let mut seen = Vec::new();
+        let (mut seen, mut effects) = (Vec::new(), Vec::new());
         found.retain(|candidate| {
-            let new = !seen.contains(&candidate.effect);
-            seen.push(candidate.effect);
-            new
+            let new = !seen.contains(&candidate.kind());
+            seen.push(candidate.kind());
+            if !effects.contains(&candidate.effect) {
+                effects.push(candidate.effect);
+            }
+            new && effects.len() <= ASKED
         });
-        found.truncate(ASKED);
         found
     }
 

@@ -169,8 +169,8 @@ impl Search<'_> {
         let leader = candidates.first().map(|c| c.effect);
         let mut seen = Vec::new();
         candidates.retain(|c| {
-            let before = seen.iter().filter(|effect| **effect == c.effect).count();
-            seen.push(c.effect);
+            let before = seen.iter().filter(|kind| **kind == c.kind()).count();
+            seen.push(c.kind());
             before < if Some(c.effect) == leader { 2 } else { 1 }
         });
         self.tried.extend(candidates.iter().map(|c| Tried {
