@@ -330,7 +330,9 @@ impl Search<'_> {
     /// The same with the further values of its last effect's shape, where it leaves more than the noise of what was `lacked`: the form
     /// that did best on the recovered contacts may be another laboratory's.
     fn shaped(&mut self, current: Explained, lacked: f64) -> Explained {
-        let mut shape = current.effects.last().map_or_else(Vec::new, |&e| ALL[e].shape(&self.study.scales));
+        let law = &current.fitted.setting.law;
+        let mut shape =
+            current.effects.last().map_or_else(Vec::new, |&e| ALL[e].shape(law, &self.study.scales));
         shape.retain(|change| current.added.iter().all(|u| u.quantity != Quantity::Law(change.hook)));
         if shape.is_empty() || current.complete() {
             return current;

@@ -3,8 +3,8 @@
 //! The clean sets of the plan go through `reconstruct` and `identify`: the bands of friction force, slip and slip velocity
 //! should hold the true history at 95 % of the samples, the intervals of the parameters the true value in 95 % of the rigs.
 //!
-//! The intervals allow for sensors that keep their calibration to 5·10⁻⁴ besides the noise. For `identify` the rigs have
-//! such sensors; perfect ones would find every interval too wide.
+//! The intervals allow for sensors that keep their calibration to 5·10⁻⁴, and for a rig that is known to as much, besides the noise. For
+//! `identify` the rigs have such sensors and such a load cell under the support; perfect ones would find every interval too wide.
 
 use super::Finished;
 use super::apart::NotMade;
@@ -67,7 +67,7 @@ impl Finished for Covered {
 
 /// Standard deviations on either side of a 95 % band.
 const BAND: f64 = 1.96;
-/// Relative standard deviation of the gains of the sensors, one draw a sensor for all runs.
+/// Relative standard deviation of the gains of the sensors, one draw a sensor for all runs, and of the declared preload, one draw for all.
 const CALIBRATION: f64 = 5e-4;
 
 impl Covered {
@@ -133,14 +133,17 @@ fn histories(made: &Made, covered: &mut Covered) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What sensors of a laboratory's calibration would have recorded.
+/// What sensors of a laboratory's calibration would have recorded, and the preload as its load cell reads it.
 fn calibrated(mut measurement: Measurement, seed: u64) -> Measurement {
     // The rig was drawn from the seed itself.
     let mut random = Pcg64::seed_from_u64(!seed);
-    let draw = |_| -> f64 { 1.0 + CALIBRATION * Distribution::<f64>::sample(&StandardNormal, &mut random) };
+    let mut draw =
+        |_| -> f64 { 1.0 + CALIBRATION * Distribution::<f64>::sample(&StandardNormal, &mut random) };
     let sensors = measurement.runs.first().map_or(0, |run| run.acceleration.len());
-    let gains: Vec<f64> = (0..sensors).map(draw).collect();
+    let gains: Vec<f64> = (0..sensors).map(&mut draw).collect();
+    let load = draw(sensors);
     for run in &mut measurement.runs {
+        run.preload *= load;
         for (channel, gain) in run.acceleration.iter_mut().zip(&gains) {
             channel.iter_mut().for_each(|value| *value *= gain);
         }

@@ -7,7 +7,7 @@
 //!
 //! *Mistaken for*: `contact.tangential-stiffness`, `friction.breakaway`; told apart by quasi-static loops: with play the force rests on a plateau after each reversal.
 
-use super::{Change, ContactForm, Effect, EffectPlace};
+use super::{Change, ContactForm, Effect, EffectPlace, known};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 
@@ -48,7 +48,8 @@ impl Effect for ContactBacklash {
         vec![play(0.03), play(0.15), shoulders(0.35), shoulders(0.7)]
     }
 
-    fn shape(&self, _scales: &Scales) -> Vec<Change> {
-        vec![Change::between(Hook::BacklashPower, 5.0, (1.0, 60.0))]
+    fn shape(&self, law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {
+        let power = Change::between(Hook::BacklashPower, 5.0, (1.0, 60.0));
+        if known(law, &[Hook::Backlash]) { vec![power] } else { Vec::new() }
     }
 }

@@ -43,7 +43,7 @@ impl Effect for ContactTangentialStiffness {
     }
 
     /// A spring beside the contact that hardens or softens.
-    fn shape(&self, scales: &Scales) -> Vec<Change> {
+    fn shape(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<Change> {
         let size = 0.02 * scales.preload / scales.slip;
         [(Hook::ParallelStiffness, size), (Hook::ParallelCubic, size / (scales.slip * scales.slip))]
             .map(|(hook, size)| Change { start: 0.0, ..Change::signed(hook, size) })

@@ -46,7 +46,7 @@ impl Effect for FrictionAgeing {
         forms
     }
 
-    fn shape(&self, _scales: &Scales) -> Vec<Change> {
+    fn shape(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {
         vec![Change::linear(Hook::AgeingSaturation, 0.0, 0.3, (0.0, 1.0))]
     }
 }

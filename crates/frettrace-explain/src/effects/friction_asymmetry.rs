@@ -43,8 +43,9 @@ impl Effect for FrictionAsymmetry {
     }
 
     /// Another laboratory's coefficient turns over smoothly with the velocity.
-    fn shape(&self, scales: &Scales) -> Vec<Change> {
-        vec![turning(scales), Change::between(Hook::AsymmetryPower, 2.0, (0.5, 8.0))]
+    fn shape(&self, law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<Change> {
+        let power = Change::between(Hook::AsymmetryPower, 2.0, (0.5, 8.0));
+        if law.get(Hook::BristleAsymmetry).is_some() { vec![power] } else { vec![turning(scales), power] }
     }
 }
 

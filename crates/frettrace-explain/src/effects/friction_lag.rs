@@ -51,8 +51,10 @@ impl Effect for FrictionLag {
     }
 
     /// From a lag of first order to a delay.
-    fn shape(&self, _scales: &Scales) -> Vec<Change> {
-        vec![Change::linear(Hook::LagDelay, 0.0, 0.3, (-0.9, 1.5))]
+    fn shape(&self, law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {
+        let delay = Change::linear(Hook::LagDelay, 0.0, 0.3, (-0.9, 1.5));
+        let lags = known(law, &[Hook::LagTime, Hook::SpeedLag, Hook::VelocityLag]);
+        if lags { vec![delay] } else { Vec::new() }
     }
 
     fn is_idle(&self, law: &ModifiedLaw<f64>, reach: Reach) -> bool {

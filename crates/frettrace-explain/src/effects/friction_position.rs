@@ -49,7 +49,7 @@ impl Effect for FrictionPosition {
         ]
     }
     /// Another laboratory's change along the path ends in another way.
-    fn shape(&self, scales: &Scales) -> Vec<Change> {
+    fn shape(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<Change> {
         vec![
             Change::positive(Hook::PositionScale, 10.0 * scales.slip, 0.02),
             Change::between(Hook::PositionPower, 2.0, (0.5, 8.0)),

@@ -46,7 +46,7 @@ impl Effect for FrictionPositionPeriodic {
         friction.chain([0.6, 1.0, 2.0, 3.0].into_iter().map(|waves| form(lattice, waves))).collect()
     }
 
-    fn shape(&self, _scales: &Scales) -> Vec<Change> {
+    fn shape(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {
         [Hook::PeriodicCosine2, Hook::PeriodicSine2, Hook::PeriodicCosine3, Hook::PeriodicSine3]
             .map(|hook| Change::linear(hook, 0.0, 0.05, (-0.9, 0.9)))
             .into_iter()

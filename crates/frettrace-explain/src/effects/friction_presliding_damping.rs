@@ -48,7 +48,7 @@ impl Effect for FrictionPreslidingDamping {
         ]
     }
 
-    fn shape(&self, _scales: &Scales) -> Vec<Change> {
+    fn shape(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {
         vec![Change::linear(Hook::DampingRational, 0.0, 0.3, (0.0, 1.0))]
     }
 }

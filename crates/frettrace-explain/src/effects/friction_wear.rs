@@ -48,7 +48,7 @@ impl Effect for FrictionWear {
         ]
     }
 
-    fn shape(&self, _scales: &Scales) -> Vec<Change> {
+    fn shape(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {
         vec![
             Change::between(Hook::WearExponent, 1.0, (0.1, 12.0)),
             Change::linear(Hook::WearSettling, 0.0, 1.0, (-6.0, 12.0)),

@@ -163,8 +163,8 @@ pub(crate) trait Effect: Sync {
         Vec::new()
     }
 
-    /// Further values of its shape, from those that add nothing, for data that its forms do not satisfy.
-    fn shape(&self, _scales: &Scales) -> Vec<Change> {
+    /// Further values of the shape it has in a law, from those that add nothing, for data that its forms do not satisfy.
+    fn shape(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {
         Vec::new()
     }
 

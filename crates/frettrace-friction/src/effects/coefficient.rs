@@ -85,13 +85,7 @@ impl<T: Scalar> ModifiedLaw<T> {
         if self.on(Hook::Asymmetry) {
             let mut turned = T::from(sign);
             if self.on(Hook::AsymmetryVelocity) {
-                let over = self.at(Hook::AsymmetryVelocity);
-                if self.on(Hook::AsymmetryPower) {
-                    let y = end.speed / over;
-                    turned *= ended(y, y, self.at(Hook::AsymmetryPower));
-                } else {
-                    turned *= end.speed / (end.speed * end.speed + over * over).sqrt();
-                }
+                turned *= self.turned(end.speed / self.at(Hook::AsymmetryVelocity));
             }
             mu *= self.at(Hook::Asymmetry) * turned + 1.0;
         }
@@ -115,6 +109,15 @@ impl<T: Scalar> ModifiedLaw<T> {
         }
         let least = self.at(Hook::MuKinetic).re().abs() * LEAST_FRICTION + f64::MIN_POSITIVE;
         if mu.re() > least { mu } else { T::from(least) }
+    }
+
+    /// Turn-over of an asymmetry, `y/√(1 + y²)` or `y/(1 + |y|^p)^{1/p}`.
+    pub(super) fn turned(&self, y: T) -> T {
+        if self.on(Hook::AsymmetryPower) {
+            ended(y, y.abs(), self.at(Hook::AsymmetryPower))
+        } else {
+            y / (y * y + 1.0).sqrt()
+        }
     }
 
     /// What a lag sets at one end of a stretch.

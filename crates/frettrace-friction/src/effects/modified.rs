@@ -116,7 +116,7 @@ impl<T: Scalar> ModifiedLaw<T> {
         }
         if self.on(Hook::BristleAsymmetry) {
             let side = b / (self.at(Hook::BristleTurn) * self.at(Hook::MuKinetic));
-            ratio *= self.at(Hook::BristleAsymmetry) * side / (side * side + 1.0).sqrt() + 1.0;
+            ratio *= self.at(Hook::BristleAsymmetry) * self.turned(side) + 1.0;
         }
         if self.on(Hook::LatticeCosine) {
             let (sine, cosine) = (self.at(Hook::PeriodicNumber) * end.slip).sin_cos();
