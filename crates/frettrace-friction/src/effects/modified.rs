@@ -111,12 +111,12 @@ impl<T: Scalar> ModifiedLaw<T> {
     pub(super) fn force(&self, b: T, end: &End<T>, velocity: T, friction: impl FnOnce() -> T) -> T {
         let pressed = if end.normal.re() > 0.0 { end.normal } else { T::from(0.0) };
         let mut ratio = b;
-        if self.on(Hook::Sigma1) {
-            ratio += self.damping(b, (velocity, pressed), friction());
-        }
         if self.on(Hook::BristleAsymmetry) {
             let side = b / (self.at(Hook::BristleTurn) * self.at(Hook::MuKinetic));
             ratio *= self.at(Hook::BristleAsymmetry) * self.turned(side) + 1.0;
+        }
+        if self.on(Hook::Sigma1) {
+            ratio += self.damping(b, (velocity, pressed), friction());
         }
         if self.on(Hook::LatticeCosine) {
             let (sine, cosine) = (self.at(Hook::PeriodicNumber) * end.slip).sin_cos();
