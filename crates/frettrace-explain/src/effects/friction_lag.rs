@@ -40,6 +40,11 @@ impl Effect for FrictionLag {
                     changes.push(Change::positive(Hook::StribeckVelocity, 0.2 * scales.velocity, 1e-3));
                 }
                 forms.push(ContactForm::new(changes.clone()));
+                if hook == Hook::VelocityLag {
+                    // A velocity that is delayed: half of the time, twice.
+                    let delayed = changes.iter().cloned().chain([Change::fixed(Hook::LagDelay, 1.0)]);
+                    forms.push(ContactForm::new(delayed.collect()));
+                }
                 // A friction that follows no faster than it can.
                 changes.push(Change::linear(Hook::LagSaturation, 1.0, 1.0, (0.0, 50.0)));
                 forms.push(ContactForm::new(changes));
