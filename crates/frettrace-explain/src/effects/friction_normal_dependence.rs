@@ -1,6 +1,7 @@
 //! `friction.normal-dependence`.
 //!
-//! *Adds*: a friction coefficient that depends on the normal force, `μ ∝ (N/N₀)^(−n)`, or by another power, `1 − n((N/N₀)^q − 1)/q`, where the data ask for it.
+//! *Adds*: a friction coefficient that depends on the normal force, `μ ∝ (N/N₀)^(−n)`, or by another power, `1 − n((N/N₀)^q − 1)/q`, where the data ask for it;
+//! of the friction's limit, or of the whole force of the bristles.
 //!
 //! *Shows as*: friction that does not follow the normal force in proportion: even harmonics at the higher levels.
 //!
@@ -40,6 +41,9 @@ impl Effect for FrictionNormalDependence {
         let mut powered = power();
         powered.push(Change::linear(Hook::NormalPower, 0.5, 0.2, (-3.0, 4.0)));
         let own = vec![Change::linear(Hook::NormalExponent, 0.05, 0.1, (-2.0, 2.0))];
-        vec![ContactForm::new(own), ContactForm::new(power()), ContactForm::new(powered)]
+        // The stiffness of the bristles changes with their strength.
+        let whole: Vec<Change> =
+            powered.iter().cloned().chain([Change::fixed(Hook::NormalWhole, 1.0)]).collect();
+        [own, power(), powered, whole].map(ContactForm::new).into()
     }
 }

@@ -1,6 +1,6 @@
 //! `friction.presliding-damping`.
 //!
-//! *Adds*: a force `N·σ1·ż` on the bristles.
+//! *Adds*: a force `N·σ1·ż` on the bristles, or `N·σ1·v(1 − |r|)`, which damps what sticks alike before and after a reversal.
 //!
 //! *Shows as*: dissipation in the small loops, gone where the contact slides.
 //!
@@ -45,10 +45,17 @@ impl Effect for FrictionPreslidingDamping {
                 Change::positive(Hook::DampingVelocity, 0.3 * scales.velocity, 1e-3),
                 Change::fixed(Hook::DampingRational, 1.0),
             ]),
+            // What sticks damps, alike before and after a reversal.
+            ContactForm::new(vec![
+                Change::from_zero(Hook::Sigma1, size),
+                Change::fixed(Hook::DampingStuck, 1.0),
+            ]),
         ]
     }
 
-    fn shape(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {
-        vec![Change::linear(Hook::DampingRational, 0.0, 0.3, (0.0, 1.0))]
+    fn shape(&self, law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {
+        let rational = Change::linear(Hook::DampingRational, 0.0, 0.3, (0.0, 1.0));
+        let stuck = Change::linear(Hook::DampingStuck, 0.0, 0.3, (0.0, 1.0));
+        if known(law, &[Hook::DampingVelocity]) { vec![rational, stuck] } else { vec![stuck] }
     }
 }

@@ -90,7 +90,7 @@ impl<T: Scalar> ModifiedLaw<T> {
             mu *= self.at(Hook::Asymmetry) * turned + 1.0;
         }
         mu *= self.place_factor(end.slip);
-        if self.on(Hook::NormalExponent) {
+        if self.on(Hook::NormalExponent) && !self.on(Hook::NormalWhole) {
             mu *= self.normal_factor(end.normal, circumstance.preload);
         }
         if self.on(Hook::Wear) {
@@ -129,7 +129,7 @@ impl<T: Scalar> ModifiedLaw<T> {
     }
 
     /// `1 − n(x^q − 1)/q`, `q = s − n`, `x = N/N₀`, which is `x^{−n}` at `s = 0`; 1 where the contact is all but open.
-    fn normal_factor(&self, normal: T, preload: f64) -> T {
+    pub(super) fn normal_factor(&self, normal: T, preload: f64) -> T {
         let stated = self.on(Hook::NormalReference);
         let reference = if stated { self.at(Hook::NormalReference) } else { T::from(preload) };
         let ratio = normal / reference;

@@ -1,7 +1,7 @@
 //! The parameters of the modified law.
 
 /// Number of hooks.
-pub const HOOKS: usize = 71;
+pub const HOOKS: usize = 73;
 
 /// A parameter of [`ModifiedLaw`](super::ModifiedLaw): those of the declared laws first, then those of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -152,6 +152,10 @@ pub enum Hook {
     ShoulderStiffness,
     /// That gap \[m\].
     ShoulderGap,
+    /// Share of a presliding damping `σ1 v (1 − |r|)`, alike before and after a reversal, beside `σ1 ż`.
+    DampingStuck,
+    /// Whether the dependence on the normal force is that of the whole bristle force, its stiffness included (1), or of its limit (0).
+    NormalWhole,
 }
 
 impl Hook {
@@ -228,6 +232,8 @@ impl Hook {
         Self::WearWork,
         Self::ShoulderStiffness,
         Self::ShoulderGap,
+        Self::DampingStuck,
+        Self::NormalWhole,
     ];
 
     /// Value at which the hook adds nothing, where it measures the size of an effect; `None` for shapes, times and scales.
@@ -349,6 +355,8 @@ impl Hook {
             Self::WearWork => ("wear_by_work", "1"),
             Self::ShoulderStiffness => ("shoulder_stiffness", "N/m"),
             Self::ShoulderGap => ("shoulder_gap", "m"),
+            Self::DampingStuck => ("damping_stuck", "1"),
+            Self::NormalWhole => ("normal_whole", "1"),
         }
     }
 }

@@ -125,6 +125,9 @@ impl<T: Scalar> ModifiedLaw<T> {
         if self.on(Hook::ViscousNormal) {
             ratio += self.at(Hook::ViscousNormal) * velocity;
         }
+        if self.on(Hook::NormalWhole) {
+            ratio *= self.normal_factor(end.normal, 0.0);
+        }
         let mut force = pressed * ratio;
         if self.on(Hook::Viscous) {
             force += self.at(Hook::Viscous) * velocity * self.thickening(velocity);
@@ -162,7 +165,13 @@ impl<T: Scalar> ModifiedLaw<T> {
 
     /// `σ1(v)·ż` with `ż = v·φ(r)`, of which a spring in series takes a part.
     fn damping(&self, b: T, (velocity, normal): (T, T), friction: T) -> T {
-        let rate = self.yielding(b * sense(velocity) / friction);
+        let ratio = b * sense(velocity) / friction;
+        let mut rate = self.yielding(ratio);
+        if self.on(Hook::DampingStuck) {
+            let left = -ratio.abs() + 1.0;
+            let stuck = if left.re() > 0.0 { left } else { T::from(0.0) };
+            rate += (stuck - rate) * self.at(Hook::DampingStuck);
+        }
         let given = self.at(Hook::Sigma0) * normal * self.at(Hook::SeriesCompliance);
         let rate = if self.on(Hook::SeriesCompliance) { rate / (given * rate + 1.0) } else { rate };
         let mut sigma1 = self.at(Hook::Sigma1);

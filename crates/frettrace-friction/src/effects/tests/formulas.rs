@@ -29,6 +29,12 @@ fn forces_beside_the_bristle_are_their_formulas() {
             assert!((found[k].1 - force - expected).abs() < 1e-12, "{k}: {} {expected}", found[k].1 - force);
         }
     }
+    // Damping of what sticks: `σ1 v (1 − |r|)` beside the bristle's force.
+    let stuck = with(&[(Hook::Sigma1, 0.02), (Hook::DampingStuck, 1.0)]);
+    for (k, (found, plain)) in stuck.iter().zip(&without).enumerate() {
+        let expected = plain.1 + 0.02 * velocity(k) * (1.0 - plain.1.abs() / 0.4).max(0.0);
+        assert!((found.1 - expected).abs() < 1e-12);
+    }
     let sided = with(&[(Hook::BristleAsymmetry, 0.3), (Hook::BristleTurn, 0.5)]);
     for (found, plain) in sided.iter().zip(&without) {
         let y = plain.1 / (0.5 * 0.4);
