@@ -181,7 +181,7 @@ fn balanced_without_end(force: f64) -> Vec<Complex64> {
 /// Two causes kept march and balance 1e-4 apart where friction without a presliding range holds and slips. The flexibility of the modes
 /// that a march leaves out rides on damped ones, whose loss falls with the third power of the number of modes: 1.2e-4 with 40 (at
 /// order 511), 1.5e-5 with 80, 1.3e-5 with 160, of which nearly all is the other cause: a force that jumps has lines that fall with 1/h, and
-/// the balance that cuts them off errs by about 75/H² (6 N) and 50/H² (60 N) at orders from 63 to 722: 1.2e-3, 1.8e-4, 6e-5, 1.3e-5, 7e-6 and 8e-4,
+/// the balance that cuts them off errs by about 4/H² (6 N) and 3/H² (60 N) at orders from 63 to 722: 1.2e-3, 1.8e-4, 6e-5, 1.3e-5, 7e-6 and 8e-4,
 /// 1.7e-4, 4e-5, 9e-6, 6e-6 at 63, 127, 255, 511, 722, whether with 8, 16 or 32 samples a line. With both taken away 1e-6 to 4e-6 are left;
 /// against steps eight times finer the march moves by 6e-8, and for one degree of freedom it is Den Hartog's exact motion to eight digits.
 #[test]
