@@ -330,10 +330,12 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     root_mean_square(a.iter().zip(b).map(|(a, b)| a - b), a.len())
 }
 
-/// Root mean square of the smallest signal.
+/// Root mean square of the smallest signal; a sensor that sees a millionth of what another does sees nothing.
 fn smallest(signals: &[Vec<f64>]) -> f64 {
-    let sizes = signals.iter().map(|signal| root_mean_square(signal.iter().copied(), signal.len()));
-    sizes.fold(f64::INFINITY, f64::min)
+    let sizes: Vec<f64> =
+        signals.iter().map(|signal| root_mean_square(signal.iter().copied(), signal.len())).collect();
+    let largest = sizes.iter().copied().fold(0.0, f64::max);
+    sizes.into_iter().filter(|size| *size > 1e-6 * largest).fold(largest, f64::min)
 }
 
 fn root_mean_square(values: impl Iterator<Item = f64>, count: usize) -> f64 {
