@@ -5,10 +5,12 @@ mod compare_balance_codes;
 mod compare_friction_velocity;
 mod compare_haptic_pulls;
 mod compare_loop_area;
+mod compare_practice_rigs;
 pub mod compare_splines;
 mod compare_two_bodies;
 mod explained_contacts;
 mod measured_contacts;
+mod practice;
 mod roller_beam;
 mod validate_finite_element_rig;
 mod verify_beam_modes;
@@ -39,6 +41,7 @@ pub const ALL: &[Case] = &[
     verify_sweep::CASE,
     verify_coverage::CASE,
     compare_balance_codes::CASE,
+    compare_practice_rigs::CASE,
     compare_splines::CASE,
     validate_finite_element_rig::CASE,
     compare_loop_area::CASE,

@@ -204,6 +204,32 @@ fn step_error(law: Law, coarse: &[f64], fine: &[f64]) -> f64 {
     mean.powf(1.0 / f64::from(power))
 }
 
+/// A law that holds a contact says between which forces it does: those of slip that has just begun, either way. The force of any other law
+/// goes through zero without a jump in a contact that has not slipped yet.
+#[test]
+fn a_law_that_jumps_at_rest_says_between_which_forces_it_holds() {
+    struct AboutRest;
+    impl Visitor<f64> for AboutRest {
+        type Output = (Option<[f64; 2]>, [f64; 2]);
+        fn visit<L: FrictionLaw<f64>>(self, law: &L) -> Self::Output {
+            let force =
+                [-1.0, 1.0].map(|sense| law.step(law.rest(), &straight([0.0, sense * 1e-18], 1e-3)).1);
+            (law.at_rest(law.rest(), &straight([0.0; 2], 1e-3)), force)
+        }
+    }
+    let mut holding = Vec::new();
+    for law in Law::ALL {
+        let (bounds, [below, above]) = model(*law).visit(AboutRest);
+        holding.extend(bounds.map(|_| law.name()));
+        let [low, high] = bounds.unwrap_or_default();
+        assert!(bounds.is_none() || (low < 0.0 && high > 0.0), "{}", law.name());
+        // Slip of 1e-15 m/s against the velocities and stiffnesses of the examples.
+        let apart = (low - below).abs().max((high - above).abs());
+        assert!(apart < 1e-6 * NORMAL, "{}: {below} {above} about {bounds:?}", law.name());
+    }
+    assert_eq!(holding, ["coulomb", "stribeck", "film-stribeck"]);
+}
+
 #[test]
 fn refining_the_step_converges() {
     for law in Law::ALL {

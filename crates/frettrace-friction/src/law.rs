@@ -182,6 +182,14 @@ pub trait FrictionLaw<T: Scalar>: Copy {
     /// (positive: it resists positive slip).
     fn step(&self, state: Self::State, step: &Step<T>) -> (Self::State, T);
 
+    /// Lowest and highest force \[N\] with which a contact that is at rest at the end of the step stays there; `None` for a law
+    /// whose force follows from the step. `state` is that at the old sample, as in [`Self::step`].
+    ///
+    /// What a structure needs to be held decides the force of a law that is set-valued at rest, as long as it lies between them.
+    fn at_rest(&self, _state: Self::State, _step: &Step<T>) -> Option<[T; 2]> {
+        None
+    }
+
     /// Step after step along a stretch: the state after it. `record` sees the index of each step, the state after it and
     /// the force \[N\], and breaks off with the state it has seen. Laws whose steps share work do it here once.
     #[inline]

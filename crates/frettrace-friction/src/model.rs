@@ -65,6 +65,19 @@ impl<T: Scalar> Visitor<T> for Stepping<'_, T> {
     }
 }
 
+struct AtRest<'a, T> {
+    state: ModelState<T>,
+    step: &'a Step<T>,
+}
+
+impl<T: Scalar> Visitor<T> for AtRest<'_, T> {
+    type Output = Option<[T; 2]>;
+
+    fn visit<L: FrictionLaw<T>>(self, law: &L) -> Self::Output {
+        law.at_rest(self.state.own(law), self.step)
+    }
+}
+
 struct Following<'a, T, R> {
     state: ModelState<T>,
     stretch: &'a Stretch<'a, T>,
@@ -92,6 +105,10 @@ impl<T: Scalar> FrictionLaw<T> for FrictionModel<T> {
 
     fn step(&self, state: ModelState<T>, step: &Step<T>) -> (ModelState<T>, T) {
         self.visit(Stepping { state, step })
+    }
+
+    fn at_rest(&self, state: ModelState<T>, step: &Step<T>) -> Option<[T; 2]> {
+        self.visit(AtRest { state, step })
     }
 
     /// The law is found out once for the whole stretch.

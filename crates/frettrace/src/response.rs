@@ -67,7 +67,7 @@ impl FrequencyResponse {
 pub struct Level {
     /// Amplitude of the force (N).
     pub force_amplitude_n: f64,
-    /// `finished`, `returned`, `stalled`, `no-start` or `point-limit`.
+    /// `finished`, `returned`, `jumped`, `stalled`, `no-start` or `point-limit`.
     pub status: &'static str,
     /// Largest motion that the harmonics cut off would cause along the curve, relative to the slip.
     pub truncation: f64,
@@ -305,10 +305,14 @@ fn described(simulated: &SimulatedRig, found: hb::Response) -> FrequencyResponse
     }
 }
 
+/// Status of a curve that ends where the force of its law jumps.
+pub const JUMPED: &str = "jumped";
+
 fn status(status: SweepStatus) -> &'static str {
     match status {
         SweepStatus::Finished => "finished",
         SweepStatus::Returned => "returned",
+        SweepStatus::Jumped => JUMPED,
         SweepStatus::NoStart => "no-start",
         SweepStatus::PointLimit => "point-limit",
         _ => "stalled",

@@ -312,7 +312,7 @@ pub fn parse_rig(text: &str, path: &Path) -> Result<Rig, StudyError> {
     let rig: Rig = toml::from_str(text).map_err(|error| StudyError::RigSyntax {
         path: path.to_owned(),
         line: error.span().map_or(1, |span| 1 + text[..span.start.min(text.len())].matches('\n').count()),
-        message: error.message().replace('\n', " "),
+        message: plain(error.message()),
     })?;
     check::check(&rig).map_err(|problem| StudyError::RigValue {
         path: path.to_owned(),
@@ -321,6 +321,19 @@ pub fn parse_rig(text: &str, path: &Path) -> Result<Rig, StudyError> {
         allowed: problem.allowed,
     })?;
     Ok(rig)
+}
+
+/// What the reader of the text expects, on one line and in words of the file instead of the program.
+fn plain(message: &str) -> String {
+    let words = [
+        ("\n", " "),
+        ("expected f64", "expected a number"),
+        ("expected usize", "expected a whole number, 0 or more"),
+        ("expected u64", "expected a whole number, 0 or more"),
+        ("expected a sequence", "expected a list in [ ]"),
+        ("unknown variant", "unknown name"),
+    ];
+    words.iter().fold(message.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
 #[cfg(test)]

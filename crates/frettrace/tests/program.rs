@@ -104,6 +104,31 @@ fn a_bad_rig_is_one_clear_line() {
     }
 }
 
+/// The demonstration's file is what its rig file makes today: the same declarations, and channels within the tenth of the noise of 0.2 m/s² that
+/// is asked of the march (the noise itself is drawn from the seed).
+#[test]
+fn the_demonstrations_file_is_what_its_rig_makes() {
+    let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/demo");
+    let folder = tempfile::tempdir().unwrap();
+    let made = folder.path().join("rig.h5");
+    let [rig, output] = [data.join("rig.toml"), made.clone()].map(|path| path.display().to_string());
+    let done = frettrace(&["simulate", &rig, "-o", &output, "--without-truth"]).unwrap();
+    assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
+    let [mut made, mut stored] =
+        [made, data.join("rig.h5")].map(|path| frettrace_measurement::read_measurement(path).unwrap());
+    let root_mean_square = |a: &[f64], b: &[f64]| {
+        (a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
+    };
+    for (run, other) in made.runs.iter_mut().zip(&mut stored.runs) {
+        for (signal, other) in run.acceleration.drain(..).zip(other.acceleration.drain(..)) {
+            assert!(root_mean_square(&signal, &other) < 0.02, "run {}: remake data/demo/rig.h5", run.id);
+        }
+        let [force, other] = [std::mem::take(&mut run.force), std::mem::take(&mut other.force)];
+        assert!(root_mean_square(&force, &other) < 1e-6, "run {}: remake data/demo/rig.h5", run.id);
+    }
+    assert_eq!(made, stored, "declarations");
+}
+
 /// The README shows what the demonstration prints, to the letter, and the demonstration finds what its rig file states: the
 /// only effect in `data/demo/rig.toml`, of which the measurement file says nothing.
 #[test]

@@ -1,10 +1,11 @@
 //! Splines against cut series, harmonic against subharmonic form, over sets whose truth is known.
 
+use super::practice::{ABSENT, folder, names};
 use crate::case::{Case, Outcome, Row};
 use frettrace::Progress;
 use frettrace::reconstruct::{FormChoice, ReconstructOptions, reconstruct};
 use frettrace_measurement::{DataFile, read_measurement};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The case.
 pub const CASE: Case = Case { name: "compare_splines", run };
@@ -19,30 +20,9 @@ const WAYS: [(&str, FormChoice, bool); 6] = [
     ("subharmonic and spline", FormChoice::Subharmonic, true),
 ];
 
-/// Where the sets lie: `practice` in `FRETTRACE_DATA`, or that folder itself.
-fn folder() -> Option<PathBuf> {
-    let data = PathBuf::from(std::env::var_os("FRETTRACE_DATA")?);
-    let inner = data.join("practice");
-    let folder = if inner.is_dir() { inner } else { data };
-    (!names(&folder).is_empty()).then_some(folder)
-}
-
-/// Names of the sets of a folder: `NAME.truth.h5` beside `NAME.h5`.
-fn names(folder: &Path) -> Vec<String> {
-    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
-    let name = |entry: std::fs::DirEntry| {
-        entry.file_name().to_str().and_then(|name| name.strip_suffix(".truth.h5")).map(str::to_owned)
-    };
-    let mut names: Vec<String> = entries.flatten().filter_map(name).collect();
-    names.sort();
-    names
-}
-
 fn run() -> anyhow::Result<Outcome> {
     let Some(folder) = folder() else {
-        return Ok(Outcome::Skipped(
-            "sets with known truth are absent; FRETTRACE_DATA names their folder".into(),
-        ));
+        return Ok(Outcome::Skipped(ABSENT.into()));
     };
     let sets = compared(&folder)?;
     let row = |(way, (name, _, _)): (usize, &(&str, FormChoice, bool))| {
@@ -65,8 +45,7 @@ fn run() -> anyhow::Result<Outcome> {
 /// # Errors
 /// Where the sets are absent or cannot be read.
 pub fn table() -> anyhow::Result<String> {
-    let folder =
-        folder().ok_or_else(|| anyhow::anyhow!("FRETTRACE_DATA names no folder of sets with known truth"))?;
+    let folder = folder().ok_or_else(|| anyhow::anyhow!(ABSENT))?;
     let mut text = "| set |".to_owned();
     WAYS.iter().for_each(|(name, _, _)| text += &format!(" {name} |"));
     text += "\n|---|---|---|---|---|---|---|\n";

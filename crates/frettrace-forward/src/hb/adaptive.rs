@@ -126,7 +126,7 @@ impl AdaptiveSolver {
             let state = match follower.advance(self.at_order(order)?)? {
                 Advance::Reached(state) => state,
                 Advance::Rejected => continue,
-                Advance::Stalled => return Ok(follower.curve(SweepStatus::Stalled)),
+                Advance::Ended(status) => return Ok(follower.curve(status)),
             };
             let lower = self.below(order);
             let cuts = follower.truncation(self.at_order(order)?, &state, [order, lower])?;

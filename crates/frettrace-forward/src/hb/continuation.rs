@@ -59,6 +59,9 @@ pub enum SweepStatus {
     NoStart,
     /// The steps became too short.
     Stalled,
+    /// At a motion beside which what a contact answers is another one, by a finite step: a law that falls where it breaks away. The
+    /// balance has no solution beside it, however short the step.
+    Jumped,
     /// The points ran out.
     PointLimit,
 }
@@ -96,7 +99,7 @@ impl Solver {
         while follower.points() < sweep.points {
             match follower.advance(self)? {
                 Advance::Rejected => {}
-                Advance::Stalled => return Ok(follower.curve(SweepStatus::Stalled)),
+                Advance::Ended(status) => return Ok(follower.curve(status)),
                 Advance::Reached(state) => {
                     if let Some(status) = follower.accept(self, state, None)? {
                         return Ok(follower.curve(status));

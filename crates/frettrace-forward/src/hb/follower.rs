@@ -20,6 +20,12 @@ const SHORTEST: f64 = 1e-7;
 /// Error of the predictor, in units of what is aimed at, from which the step is made again.
 const FAR_OFF: f64 = 30.0;
 
+/// Arclengths beside the last point at which a jump is looked for, all short beside the range and the forces, …
+const BESIDE: [f64; 3] = [1e-7, 1e-6, 1e-5];
+/// … and the share of the forces by which what the contacts answer then differs: a law without a jump answers with a share that is of the
+/// order of the arclength times its stiffness over the structure's, a thousand at most.
+const FINITE: f64 = 0.03;
+
 /// The plane across the predictor: `Σ t (y − y₀) = 0` in scaled variables.
 struct Plane<'a> {
     network: &'a Network,
@@ -86,8 +92,8 @@ impl Track {
     }
 
     fn distance(&self, a: &State, b: &State) -> f64 {
-        let forces: f64 = a.forces.iter().zip(&b.forces).map(|(x, y)| (x - y).norm_sqr()).sum();
-        (forces / self.force_scale.powi(2) + ((a.unknowns[0] - b.unknowns[0]) / self.width).powi(2)).sqrt()
+        let forces = distance(&a.forces, &b.forces) / self.force_scale;
+        forces.hypot((a.unknowns[0] - b.unknowns[0]) / self.width)
     }
 
     fn push(&mut self, state: State) {
@@ -105,8 +111,8 @@ pub(super) enum Advance {
     Reached(State),
     /// None: the next try is shorter.
     Rejected,
-    /// The steps became too short.
-    Stalled,
+    /// The steps became too short, and why.
+    Ended(SweepStatus),
 }
 
 /// A curve that grows point by point, with whichever solver is handed to it.
@@ -188,13 +194,40 @@ impl<'a> Follower<'a> {
             self.step *= 0.4;
             self.corrector.forget();
             self.corrector.careful = true;
-            return Ok(if self.step < SHORTEST { Advance::Stalled } else { Advance::Rejected });
+            let ended = self.step < SHORTEST;
+            return Ok(if ended { Advance::Ended(self.end(solver)?) } else { Advance::Rejected });
         }
         self.corrector.careful = false;
         let used = count.min(self.track.states.len());
         let growth = (self.sweep.resolution / error.max(1e-12)).powf(1.0 / used as f64);
         self.step = (self.step * (0.9 * growth).clamp(0.4, 2.0)).min(self.sweep.longest);
         Ok(Advance::Reached(state))
+    }
+
+    /// Why no step is short enough: beside the last point the contacts answer a little motion with a finite force, or not.
+    fn end(&self, solver: &mut Solver) -> Result<SweepStatus, ForwardError> {
+        let Some((s, last)) = self.track.states.last() else { return Ok(SweepStatus::Stalled) };
+        let here = self.answer(solver, last)?;
+        for beside in BESIDE {
+            let (moved, _) = self.track.predict(s + beside, 2);
+            let change = distance(&self.answer(solver, &moved)?, &here);
+            if change > FINITE * size(&here) {
+                return Ok(SweepStatus::Jumped);
+            }
+        }
+        Ok(SweepStatus::Stalled)
+    }
+
+    /// What the contacts answer to the forces of a state.
+    fn answer(&self, solver: &mut Solver, state: &State) -> Result<Vec<Complex64>, ForwardError> {
+        let lines = self.network.lines(state.unknowns[0], solver.settings().order, self.sweep.level)?;
+        let mut answer = state.forces.clone();
+        solver.system.evaluate(
+            &Problem { lines: &lines, contacts: self.contacts },
+            &state.forces,
+            &mut answer,
+        );
+        Ok(answer)
     }
 
     fn plane(&self, order: usize, (predicted, slope): (&State, &State)) -> Plane<'a> {
@@ -324,6 +357,10 @@ fn resized(forces: &[Complex64], rows: usize, order: usize) -> Vec<Complex64> {
         to[..both].copy_from_slice(&from[..both]);
     }
     out
+}
+
+fn distance(a: &[Complex64], b: &[Complex64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| (x - y).norm_sqr()).sum::<f64>().sqrt()
 }
 
 fn size(forces: &[Complex64]) -> f64 {

@@ -3,8 +3,10 @@
 use frettrace_friction::FrictionLaw;
 
 use super::assembly::{Assembly, FrictionContact};
+use super::held::Holding;
 use super::implicit::{Kind, Unknown, ports, unknowns};
 use super::refine::{Level, SHARE, levels};
+use super::stick::Grip;
 
 /// What is known of the contact at one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -48,8 +50,15 @@ pub struct March<'a, L: FrictionLaw<f64>> {
     pub(super) scale: f64,
     /// Steps marched, those taken back included.
     pub(super) count: usize,
+    /// Those of them in which the contact was not held.
+    pub(super) free_count: usize,
     pub(super) state: Option<L::State>,
     pub(super) moment: Moment,
+    /// Where the law is set-valued at rest, whether the contact is held.
+    pub(super) grip: Option<Grip>,
+    pub(super) holding: Option<Holding>,
+    /// Loads beside the held one at both ends of the step.
+    pub(super) beside: [Vec<f64>; 2],
     /// What the propagation of a step writes before the implicit loads are known.
     pub(super) next: [Vec<f64>; 3],
 }
@@ -79,8 +88,12 @@ impl<'a, L: FrictionLaw<f64>> March<'a, L> {
             span: dt,
             scale: 0.0,
             count: 0,
+            free_count: 0,
             state: assembly.friction.as_ref().map(|f| f.law.rest()),
             moment: Moment::default(),
+            grip: None,
+            holding: None,
+            beside: [Vec::new(), Vec::new()],
             next: [zero.clone(), zero.clone(), zero],
             unknowns,
             ports,
@@ -88,7 +101,11 @@ impl<'a, L: FrictionLaw<f64>> March<'a, L> {
         if let Some(contact) = &assembly.friction {
             march.moment.normal = contact.normal.force(0.0, 0.0);
         }
+
         march.set_step(dt);
+        // Bounds of a contact at rest are those of a step at rest, whatever its length.
+        march.grip = march.grip();
+        march.add_held_levels();
         march
     }
 
@@ -96,6 +113,7 @@ impl<'a, L: FrictionLaw<f64>> March<'a, L> {
     pub fn set_step(&mut self, dt: f64) {
         let structure = &self.assembly.structure;
         self.levels = levels(structure, [dt, self.share], (&self.ports, &self.unknowns));
+        self.add_held_levels();
         self.level = 0;
         self.span = dt;
         for unknown in &mut self.unknowns {
@@ -201,7 +219,7 @@ impl<'a, L: FrictionLaw<f64>> March<'a, L> {
     /// Displacement and velocity of the port number `place` with the present loads.
     pub(super) fn motion(&self, place: usize) -> [f64; 2] {
         let width = self.unknowns.len();
-        let gains = &self.levels[self.level].compliance[place * width..(place + 1) * width];
+        let gains = &self.compliance()[place * width..(place + 1) * width];
         let mut motion = self.free[place];
         for (gain, value) in gains.iter().zip(&self.values) {
             motion[0] += gain[0] * value;
@@ -223,6 +241,10 @@ impl<'a, L: FrictionLaw<f64>> March<'a, L> {
     }
 }
 
+/// Scalar product in four sums, which processors form side by side.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
+    let (fours, others) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest: f64 = fours.remainder().iter().zip(others.remainder()).map(|(x, y)| x * y).sum();
+    let sums = fours.zip(others).fold([0.0; 4], |sums, (x, y)| [0, 1, 2, 3].map(|k| sums[k] + x[k] * y[k]));
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }

@@ -14,6 +14,7 @@ use frettrace_friction::FrictionLaw;
 use super::engine::{March, Moment, dot};
 use super::implicit::Unknown;
 use super::propagator::Propagator;
+use super::stick::{Grip, HeldLevel};
 use super::structure::Structure;
 
 /// Error of a load's impulse in a step, relative to the largest load's over a whole step, that makes the step be halved.
@@ -29,7 +30,9 @@ pub(super) struct Level {
     /// Displacement and velocity of the modes per unit of an implicit modal load at the end of the step.
     gain: [Vec<f64>; 2],
     /// Whether the implicit loads are constant over the step.
-    constant: bool,
+    pub(super) constant: bool,
+    /// The same step with the contact held, where its law can.
+    pub(super) held: Option<HeldLevel>,
     /// Motion at the march's ports per unit of each implicit load: displacement and velocity.
     pub(super) compliance: Vec<[f64; 2]>,
 }
@@ -41,7 +44,7 @@ impl Level {
             let ends = propagator.from_old_load[row].iter().zip(&propagator.from_new_load[row]);
             ends.map(|(old, new)| if constant { old + new } else { *new }).collect()
         });
-        Self { dt, propagator, gain, constant, compliance: Vec::new() }
+        Self { dt, propagator, gain, constant, held: None, compliance: Vec::new() }
     }
 
     /// Displacement and velocity of `output` at the end of a step per unit of an implicit load at `input`.
@@ -75,6 +78,7 @@ pub(super) fn levels(
 /// What a step that is taken back leaves as it was, besides the motion.
 #[derive(Clone, Copy)]
 struct Before<S> {
+    grip: Option<Grip>,
     state: Option<S>,
     moment: Moment,
     time: f64,
@@ -86,6 +90,7 @@ impl<L: FrictionLaw<f64>> March<'_, L> {
     /// From where the march is to the share `end` of the whole step, by a step halved `level` times or by its halves.
     pub(super) fn advance(&mut self, level: usize, end: f64, known: &[f64]) {
         let before = Before {
+            grip: self.grip,
             state: self.state,
             moment: self.moment,
             time: self.time,
@@ -93,8 +98,11 @@ impl<L: FrictionLaw<f64>> March<'_, L> {
             scale: self.scale,
         };
         self.level = level;
-        self.try_step(end, known);
-        if level + 1 == self.levels.len() || self.defect(before.span) <= self.share * self.scale {
+        let all_through = self.try_step(end, known);
+        if level + 1 == self.levels.len() {
+            return self.change_grip(all_through);
+        }
+        if all_through && self.defect(before.span) <= self.share * self.scale {
             return;
         }
         self.take_back(&before);
@@ -103,25 +111,11 @@ impl<L: FrictionLaw<f64>> March<'_, L> {
         self.advance(level + 1, end, known);
     }
 
-    fn try_step(&mut self, end: f64, known: &[f64]) {
-        let dt = self.levels[self.level].dt;
-        self.time += dt;
-        self.count += 1;
-        self.propagate(end, known);
-        self.read_free();
-        let state = self.solve();
-        self.span = dt;
-        self.correct();
-        if let Some(contact) = &self.assembly.friction {
-            self.moment = self.observe(contact);
-            self.state = state;
-        }
-    }
-
     /// Error of the impulse of the worst implicit load, over the duration of a whole step (N).
     fn defect(&self, span: f64) -> f64 {
         let dt = self.levels[self.level].dt;
-        let loads = self.values.iter().zip(&self.older).zip(&self.oldest);
+        // A held contact's force is exact.
+        let loads = self.values.iter().zip(&self.older).zip(&self.oldest).skip(usize::from(self.is_held()));
         let largest = loads
             .map(|((new, old), older)| (new - old - (old - older) * (dt / span)).abs())
             .fold(0.0, f64::max);
@@ -133,6 +127,7 @@ impl<L: FrictionLaw<f64>> March<'_, L> {
         self.values.copy_from_slice(&self.older);
         self.older.copy_from_slice(&self.oldest);
         Before {
+            grip: self.grip,
             state: self.state,
             moment: self.moment,
             time: self.time,
@@ -142,7 +137,7 @@ impl<L: FrictionLaw<f64>> March<'_, L> {
     }
 
     /// Advances all modes under the known loads, which are at the share `end` of their way to `known`.
-    fn propagate(&mut self, end: f64, known: &[f64]) {
+    pub(super) fn propagate(&mut self, end: f64, known: &[f64]) {
         let structure = &self.assembly.structure;
         let level = &self.levels[self.level];
         let [displacement, velocity, load] = &mut self.next;
@@ -172,7 +167,7 @@ impl<L: FrictionLaw<f64>> March<'_, L> {
     }
 
     /// Motion of the ports without the implicit loads.
-    fn read_free(&mut self) {
+    pub(super) fn read_free(&mut self) {
         let [displacement, velocity, _] = &self.next;
         for (free, &port) in self.free.iter_mut().zip(&self.ports) {
             let row = self.assembly.structure.row(port);
@@ -181,7 +176,7 @@ impl<L: FrictionLaw<f64>> March<'_, L> {
     }
 
     /// Takes the implicit loads into the motion.
-    fn correct(&mut self) {
+    pub(super) fn correct(&mut self) {
         let structure = &self.assembly.structure;
         let [displacement, velocity, load] = &mut self.next;
         let gains = &self.levels[self.level].gain;
@@ -199,7 +194,7 @@ impl<L: FrictionLaw<f64>> March<'_, L> {
     }
 
     /// The motion at the end of the step becomes the present one, and back.
-    fn swap_motion(&mut self) {
+    pub(super) fn swap_motion(&mut self) {
         let [displacement, velocity, load] = &mut self.next;
         std::mem::swap(displacement, &mut self.displacement);
         std::mem::swap(velocity, &mut self.velocity);
@@ -207,7 +202,7 @@ impl<L: FrictionLaw<f64>> March<'_, L> {
     }
 }
 
-fn add(load: &mut [f64], shape: &[f64], value: f64) {
+pub(super) fn add(load: &mut [f64], shape: &[f64], value: f64) {
     for (entry, shape) in load.iter_mut().zip(shape) {
         *entry += shape * value;
     }

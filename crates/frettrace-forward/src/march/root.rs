@@ -13,15 +13,21 @@ pub(super) struct Guess {
 
 /// Trials before the middle of the bracket is taken for the root.
 const LIMIT: usize = 120;
+/// Trials after which the residual must have shrunk …
+const PATIENCE: usize = 3;
+/// … to this share, or the bracket is halved.
+const PROGRESS: f64 = 0.25;
 
 /// Root of `function`, whose sign tells the side, and the slope last seen.
 ///
-/// Secant steps inside a bracket; halving where they leave it. A jump through zero (rigid friction) ends at the jump.
+/// Secant steps inside a bracket; halving where they leave it, or where they do not get on. A jump through zero (a law that takes a force
+/// back at once) ends at the jump.
 pub(super) fn rising_root(guess: Guess, mut function: impl FnMut(f64) -> f64) -> (f64, f64) {
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
     let (mut x, mut slope) = (guess.value, guess.slope);
     let mut last: Option<(f64, f64)> = None;
     let mut reach = guess.tolerance.max(f64::MIN_POSITIVE);
+    let mut earlier = f64::INFINITY;
     for trial in 0..LIMIT {
         let value = function(x);
         if value.abs() <= guess.tolerance {
@@ -41,10 +47,14 @@ pub(super) fn rising_root(guess: Guess, mut function: impl FnMut(f64) -> f64) ->
         last = Some((x, value));
         let mut next = x - value / slope;
         let bracketed = low.is_finite() && high.is_finite();
-        // Every third trial halves, so that a jump cannot pin one end of the bracket.
-        if bracketed && (next <= low || next >= high || trial % 3 == 2) {
+        let due = trial % PATIENCE == PATIENCE - 1;
+        let idle = due && value.abs() > PROGRESS * earlier;
+        if due {
+            earlier = value.abs();
+        }
+        if bracketed && (next <= low || next >= high || idle) {
             next = 0.5 * (low + high);
-        } else if !bracketed && trial > 2 {
+        } else if !bracketed && trial >= PATIENCE {
             // The secant creeps: stride out.
             reach = 2.0 * reach.max((next - x).abs());
             next = if value < 0.0 { x + reach } else { x - reach };

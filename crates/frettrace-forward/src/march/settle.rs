@@ -11,8 +11,11 @@ pub struct SettleOptions {
     pub period: f64,
     /// Steps over one period.
     pub steps_per_period: usize,
-    /// Periods before giving up; no more steps are made than these have without halvings.
+    /// Periods before giving up.
     pub maximum_periods: usize,
+    /// Steps a period, those that are halved included, beyond which the contact chatters and is given up: on the mean from the start, at
+    /// which ten periods more are granted. `None`: as many as the most periods have without halvings may be made in all.
+    pub most_steps: Option<usize>,
     /// Change of the modal state over the period, relative to its size, that counts as steady.
     pub tolerance: f64,
     /// Largest number of excitation periods after which the motion may repeat.
@@ -30,6 +33,7 @@ impl SettleOptions {
             period,
             steps_per_period: 2048,
             maximum_periods: 3000,
+            most_steps: None,
             tolerance: 1e-9,
             largest_multiple: 6,
             half_life: None,
@@ -71,7 +75,11 @@ pub fn settle<L: FrictionLaw<f64>>(
     let mut history: Vec<Vec<f64>> = Vec::new();
     let mut change = f64::INFINITY;
     let mut decline = Decline::default();
-    let most_steps = options.maximum_periods * options.steps_per_period;
+    let mut jumped = false;
+    let most_steps = |periods: usize| match options.most_steps {
+        Some(most) => most * (periods + GRACE),
+        None => options.maximum_periods * options.steps_per_period,
+    };
     let steps_before = march.step_count();
     for periods in 0..=options.maximum_periods {
         let now = march.energy_coordinates();
@@ -85,7 +93,7 @@ pub fn settle<L: FrictionLaw<f64>>(
             return Settling::Periodic { multiple, change, periods };
         }
         let ended = options.half_life.is_some_and(|span| decline.has_ended(span, change));
-        let chatters = march.step_count() - steps_before > most_steps;
+        let chatters = march.step_count() - steps_before > most_steps(periods);
         if ended || chatters {
             return Settling::NotPeriodic { change, periods, chatters };
         }
@@ -96,17 +104,27 @@ pub fn settle<L: FrictionLaw<f64>>(
         if periods == options.maximum_periods {
             break;
         }
-        let start = march.time();
+        let [displacement, velocity] = march.modal_state().map(<[f64]>::to_vec);
+        let (start, slid) = (march.time(), march.free_step_count());
         for step in 1..=options.steps_per_period {
             let time = start + options.period * step as f64 / options.steps_per_period as f64;
             known(time, &mut loads);
             march.step(&loads);
             march.set_time(time);
         }
+        if !jumped && march.free_step_count() == slid {
+            let before = [displacement, velocity];
+            let change: [Vec<f64>; 2] = std::array::from_fn(|k| {
+                march.modal_state()[k].iter().zip(&before[k]).map(|(now, before)| now - before).collect()
+            });
+            jumped = march.settle_held(change.each_ref().map(Vec::as_slice), options.steps_per_period);
+        }
     }
     Settling::NotPeriodic { change, periods: options.maximum_periods, chatters: false }
 }
 
+/// Periods that a march from rest may take more steps in than later.
+pub(crate) const GRACE: usize = 10;
 /// Spans without a fall by half after which a motion does not decay any more.
 const IDLE_SPANS: usize = 2;
 

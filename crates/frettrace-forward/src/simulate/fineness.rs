@@ -6,7 +6,7 @@ use frettrace_friction::FrictionLaw;
 
 use super::record::{Job, SENSORS};
 use super::rig::Steps;
-use crate::march::{March, SettleOptions, Settling, settle};
+use crate::march::{GRACE, March, SettleOptions, Settling, settle};
 
 /// How finely a run was marched.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +18,8 @@ pub struct Marching {
     pub change: Option<f64>,
     /// Change that was wanted (m/s²).
     pub tolerance: f64,
+    /// Modes marched, besides those of the residual: fewer than the rig has where more make the contact chatter.
+    pub modes: usize,
 }
 
 impl Marching {
@@ -60,6 +62,13 @@ const HOPELESS: f64 = 0.8;
 /// So does one of which not this share of the signal is as it was: two ways of a chaotic run, which shorter steps, ever
 /// dearer where it chatters, part all the same.
 const ANOTHER: f64 = 0.1;
+/// A contact chatters where it takes more than this many steps for each whole one at the first record's share, and at smaller ones in
+/// proportion to the third root, as loads that only bend do, …
+const CHATTER: f64 = 3.0;
+/// … beside so many a period: a dozen changes from stick to slip, each found by two dozen halvings, …
+const CHANGES: f64 = 300.0;
+/// Share of a load's impulse in the record of a contact that chatters whatever the modes.
+const CHATTER_SHARE: f64 = 1e-2;
 
 /// All channels on the fine time base.
 pub(super) struct Fine {
@@ -84,6 +93,15 @@ impl Fine {
     }
 }
 
+/// What a march notes.
+struct Recorded {
+    fine: Fine,
+    /// Steps a second (Hz).
+    rate: f64,
+    /// Whether it is all there.
+    whole: bool,
+}
+
 /// A marched run.
 pub(super) struct Marched {
     pub(super) fine: Fine,
@@ -103,74 +121,110 @@ struct Base {
 }
 
 impl Job<'_> {
-    /// Settles and records, with steps as short as they have to be.
-    pub(super) fn march<L: FrictionLaw<f64>>(&self, mut march: March<'_, L>, phase: f64) -> Marched {
-        let settling = self.approach(&mut march, phase);
+    /// Settles and records, with steps as short as they have to be; `None` where the contact chatters.
+    pub(super) fn march<L: FrictionLaw<f64>>(
+        &self,
+        mut march: March<'_, L>,
+        (phase, modes): (f64, usize),
+    ) -> Option<Marched> {
+        let options = self.settle_options(&march, COARSE_SHARE);
+        let settling = self.approach(&mut march, (phase, COARSE_SHARE), options);
         match self.rig.sampling.steps {
             Steps::Given(steps) => {
                 let base = Base { phase, steps, share: GIVEN_SHARE };
                 let settling = self.settle_on(&mut march, &base, settling);
-                let (fine, rate) = self.record(march, &base);
-                let marching = Marching { rate, change: None, tolerance: f64::INFINITY };
-                Marched { fine, settling, marching }
+                let Recorded { fine, rate, .. } = self.record(march, &base, usize::MAX);
+                let marching = Marching { rate, change: None, tolerance: f64::INFINITY, modes };
+                Some(Marched { fine, settling, marching })
             }
-            Steps::Within(tolerance) => self.tighten(march, (phase, tolerance), settling),
+            Steps::Within(tolerance) => self.tighten(march, (phase, tolerance, modes), settling),
         }
     }
 
-    /// Records with ever shorter steps until the accelerations stay the same.
+    /// Marches a contact that chatters whatever is tried: one of the motions it may have.
+    pub(super) fn chattering<L: FrictionLaw<f64>>(
+        &self,
+        mut march: March<'_, L>,
+        (phase, modes): (f64, usize),
+    ) -> Marched {
+        let options = SettleOptions { most_steps: None, ..self.settle_options(&march, CHATTER_SHARE) };
+        let settling = self.approach(&mut march, (phase, CHATTER_SHARE), options);
+        let base = Base { phase, steps: 1, share: CHATTER_SHARE };
+        let Recorded { fine, rate, .. } = self.record(march, &base, usize::MAX);
+        let tolerance = match self.rig.sampling.steps {
+            Steps::Within(tolerance) => tolerance,
+            Steps::Given(_) => f64::INFINITY,
+        };
+        Marched { fine, settling, marching: Marching { rate, change: Some(f64::INFINITY), tolerance, modes } }
+    }
+
+    /// Records with ever shorter steps until the accelerations stay the same; `None` where the contact chatters.
     fn tighten<L: FrictionLaw<f64>>(
         &self,
         mut march: March<'_, L>,
-        (phase, wanted): (f64, f64),
+        (phase, wanted, modes): (f64, f64, usize),
         mut settling: Settling,
-    ) -> Marched {
+    ) -> Option<Marched> {
         let mut base = Base { phase, steps: 1, share: FIRST_SHARE };
-        let mut before: Option<(Fine, Vec<Vec<f64>>, f64)> = None;
+        let mut before: Option<Vec<Vec<f64>>> = None;
         let mut last = f64::INFINITY;
         loop {
             settling = self.settle_on(&mut march, &base, settling);
             if matches!(settling, Settling::NotPeriodic { chatters: true, .. }) {
-                let (fine, rate) = match before {
-                    Some((fine, _, rate)) => (fine, rate),
-                    None => self.record(march, &base),
-                };
-                let marching = Marching { rate, change: Some(f64::INFINITY), tolerance: wanted };
-                return Marched { fine, settling, marching };
+                return None;
             }
-            let (fine, rate) = self.record(march.clone(), &base);
+            let Recorded { fine, rate, whole } =
+                self.record(march.clone(), &base, self.most_steps(base.share));
+            if !whole {
+                return None;
+            }
             let signals = self.perfect(&fine);
-            if let Some((_, before, _)) = &before {
+            if let Some(before) = &before {
                 let change = signals.iter().zip(before).map(|(a, b)| distance(a, b)).fold(0.0, f64::max);
                 let tolerance = if wanted > 0.0 { wanted } else { RELATIVE * smallest(&signals) };
                 let hopeless = change > HOPELESS * last
                     || change > ANOTHER * smallest(&signals)
                     || base.share * TIGHTENING < LAST_SHARE;
                 if change <= tolerance || hopeless {
-                    let marching = Marching { rate, change: Some(change), tolerance };
-                    return Marched { fine, settling, marching };
+                    let marching = Marching { rate, change: Some(change), tolerance, modes };
+                    return Some(Marched { fine, settling, marching });
                 }
                 last = change;
             }
-            before = Some((fine, signals, rate));
+            before = Some(signals);
             base.share *= TIGHTENING;
         }
     }
 
-    fn settle_options<L: FrictionLaw<f64>>(&self, march: &March<'_, L>) -> SettleOptions {
+    /// Steps of a period beyond which a contact chatters.
+    fn most_steps(&self, share: f64) -> usize {
+        let whole = TAU / self.run.omega * self.fine_rate();
+        (CHATTER * (FIRST_SHARE / share).cbrt() * whole + CHANGES) as usize
+    }
+
+    fn settle_options<L: FrictionLaw<f64>>(&self, march: &March<'_, L>, share: f64) -> SettleOptions {
         let period = TAU / self.run.omega;
         let damping = self.rig.damping_ratio.iter().copied().fold(f64::INFINITY, f64::min).clamp(1e-4, 1.0);
         let time_constant = 1.0 / (damping * march.slowest_frequency() * period);
         let patience = (PATIENCE * time_constant).ceil().max(50.0) as usize;
         let half_life = (HALF_LIFE * time_constant).ceil().max(10.0) as usize;
-        SettleOptions { maximum_periods: patience, half_life: Some(half_life), ..SettleOptions::new(period) }
+        SettleOptions {
+            maximum_periods: patience,
+            half_life: Some(half_life),
+            most_steps: Some(self.most_steps(share)),
+            ..SettleOptions::new(period)
+        }
     }
 
-    /// From rest to nearly steady, in long steps.
-    fn approach<L: FrictionLaw<f64>>(&self, march: &mut March<'_, L>, phase: f64) -> Settling {
-        let options = self.settle_options(march);
+    /// From rest to nearly steady, in long steps that are halved where an impulse errs by this share.
+    fn approach<L: FrictionLaw<f64>>(
+        &self,
+        march: &mut March<'_, L>,
+        (phase, share): (f64, f64),
+        options: SettleOptions,
+    ) -> Settling {
         let fine = (options.period * self.fine_rate()) as usize;
-        march.set_refinement(COARSE_SHARE);
+        march.set_refinement(share);
         let options = SettleOptions {
             steps_per_period: (fine / COARSENING).max(64),
             tolerance: COARSE_TOLERANCE,
@@ -206,7 +260,7 @@ impl Job<'_> {
         if matches!(before, Settling::NotPeriodic { .. }) {
             return before;
         }
-        let options = self.settle_options(march);
+        let options = self.settle_options(march, base.share);
         let fine = (options.period * self.fine_rate()).round().max(64.0) as usize;
         march.set_refinement(base.share);
         let tolerance = FINE_TOLERANCE.max(HALVING_TOLERANCE * base.share);
@@ -221,8 +275,8 @@ impl Job<'_> {
         settled
     }
 
-    /// The fine channels, and the steps a second that they took (Hz).
-    fn record<L: FrictionLaw<f64>>(&self, mut march: March<'_, L>, base: &Base) -> (Fine, f64) {
+    /// The fine channels; broken off where a period takes more than `most` steps.
+    fn record<L: FrictionLaw<f64>>(&self, mut march: March<'_, L>, base: &Base, most: usize) -> Recorded {
         let count = self.rig.sampling.samples * self.rig.sampling.oversampling + 2 * self.margin();
         let mut fine = Fine::new(self.rig.sensors.len(), count, self.rig.second_support.is_some());
         let dt = 1.0 / (base.steps as f64 * self.fine_rate());
@@ -231,30 +285,40 @@ impl Job<'_> {
         let (start, before) = (march.time(), march.step_count());
         let held = self.held(base.phase, dt);
         let mut loads = vec![0.0; march.input_count()];
-        let second = self.second_support();
+        let mut whole = true;
         for k in 1..=count * base.steps {
             let time = start + k as f64 * dt;
             held(time, &mut loads);
             march.step(&loads);
             march.set_time(time);
-            if k % base.steps != 0 {
-                continue;
+            if k % base.steps == 0 {
+                self.note(&march, base, &mut fine);
             }
-            fine.base.push(self.known(base.phase, time, &mut loads));
-            let moment = march.moment();
-            let contact = [loads[0], moment.friction, moment.normal, moment.slip, moment.velocity];
-            for (channel, value) in fine.contact.iter_mut().zip(contact) {
-                channel.push(value);
-            }
-            for (index, channel) in fine.displacement.iter_mut().enumerate() {
-                channel.push(march.displacement(SENSORS + index));
-            }
-            if let (Some(channel), Some(index)) = (&mut fine.second, second) {
-                channel.extend(march.local_loads().nth(index));
+            let periods = (time - start) * self.run.omega / TAU + GRACE as f64;
+            if (march.step_count() - before) as f64 > most as f64 * periods {
+                whole = false;
+                break;
             }
         }
         let rate = (march.step_count() - before) as f64 / (count as f64 * self.fine_rate().recip());
-        (fine, rate)
+        Recorded { fine, rate, whole }
+    }
+
+    /// Notes all channels as they are.
+    fn note<L: FrictionLaw<f64>>(&self, march: &March<'_, L>, base: &Base, fine: &mut Fine) {
+        let mut loads = vec![0.0; march.input_count()];
+        fine.base.push(self.known(base.phase, march.time(), &mut loads));
+        let moment = march.moment();
+        let contact = [loads[0], moment.friction, moment.normal, moment.slip, moment.velocity];
+        for (channel, value) in fine.contact.iter_mut().zip(contact) {
+            channel.push(value);
+        }
+        for (index, channel) in fine.displacement.iter_mut().enumerate() {
+            channel.push(march.displacement(SENSORS + index));
+        }
+        if let (Some(channel), Some(index)) = (&mut fine.second, self.second_support()) {
+            channel.extend(march.local_loads().nth(index));
+        }
     }
 }
 
@@ -266,10 +330,12 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     root_mean_square(a.iter().zip(b).map(|(a, b)| a - b), a.len())
 }
 
-/// Root mean square of the smallest signal.
+/// Root mean square of the smallest signal; a sensor that sees a millionth of what another does sees nothing.
 fn smallest(signals: &[Vec<f64>]) -> f64 {
-    let sizes = signals.iter().map(|signal| root_mean_square(signal.iter().copied(), signal.len()));
-    sizes.fold(f64::INFINITY, f64::min)
+    let sizes: Vec<f64> =
+        signals.iter().map(|signal| root_mean_square(signal.iter().copied(), signal.len())).collect();
+    let largest = sizes.iter().copied().fold(0.0, f64::max);
+    sizes.into_iter().filter(|size| *size > 1e-6 * largest).fold(largest, f64::min)
 }
 
 fn root_mean_square(values: impl Iterator<Item = f64>, count: usize) -> f64 {

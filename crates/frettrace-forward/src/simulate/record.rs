@@ -97,18 +97,43 @@ impl Visitor<f64> for Job<'_> {
             Pcg64::seed_from_u64(self.rig.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(self.index));
         // Records begin anywhere, each in another period: what is driven at a part of the frequency is not alike in all.
         let phase = random.random_range(0.0..TAU) + TAU * self.index as f64;
-        let assembly = self.assembly(*law, phase)?;
-        let marched = self.march(March::new(&assembly, 1.0), phase);
+        let marched = self.resolve(law, phase)?;
         Ok(self.sample(&marched, &mut random))
     }
 }
 
 impl Job<'_> {
-    fn model(&self) -> Result<ModalModel, ForwardError> {
+    /// Marches with all modes; where the contact then chatters, or the motion does not stay the same as steps get shorter, with those
+    /// that the fine time base can carry: of the others the flexibility stays, damped so that it does not ring.
+    fn resolve<L: FrictionLaw<f64>>(&self, law: &L, phase: f64) -> Result<Marched, ForwardError> {
+        let carried = self.carried_modes()?;
+        let attempt = |modes: usize| {
+            let assembly = self.assembly(*law, phase, modes)?;
+            Ok::<_, ForwardError>(self.march(March::new(&assembly, 1.0), (phase, modes)))
+        };
+        let whole = attempt(self.rig.modes)?;
+        let met = |marched: &Option<Marched>| marched.as_ref().is_some_and(|m| m.marching.is_met());
+        let fewer = if met(&whole) || carried == self.rig.modes { None } else { attempt(carried)? };
+        if let Some(marched) = if met(&fewer) { fewer } else { whole.or(fewer) } {
+            return Ok(marched);
+        }
+        let assembly = self.assembly(*law, phase, carried)?;
+        Ok(self.chattering(March::new(&assembly, 1.0), (phase, carried)))
+    }
+
+    /// Modes below half the rate of the fine samples, which carry no more; those that are declared at least.
+    fn carried_modes(&self) -> Result<usize, ForwardError> {
+        let model = self.model(self.rig.modes)?;
+        let highest = 0.5 * TAU * self.fine_rate();
+        let carried = model.natural_frequency().iter().filter(|&&frequency| frequency <= highest).count();
+        Ok(carried.max(self.rig.natural_frequency.len()).max(1).min(self.rig.modes))
+    }
+
+    fn model(&self, modes: usize) -> Result<ModalModel, ForwardError> {
         let options = ModalOptions {
-            modes: self.rig.modes,
-            natural_frequency: self.rig.natural_frequency.clone(),
-            damping_ratio: self.rig.damping_ratio.clone(),
+            modes,
+            natural_frequency: first(&self.rig.natural_frequency, modes),
+            damping_ratio: first(&self.rig.damping_ratio, modes),
             ..ModalOptions::default()
         };
         let mut model = ModalModel::new(&self.rig.beam, &self.rig.boundary, &options)?;
@@ -139,8 +164,8 @@ impl Job<'_> {
             .collect()
     }
 
-    fn assembly<L>(&self, law: L, phase: f64) -> Result<Assembly<L>, ForwardError> {
-        let model = self.model()?;
+    fn assembly<L>(&self, law: L, phase: f64, modes: usize) -> Result<Assembly<L>, ForwardError> {
+        let model = self.model(modes)?;
         let mut structure = Structure::from_beam(&model, &self.ports())?;
         let first = SENSORS + self.rig.sensors.len();
         let moment = first + self.rig.attached.len();
@@ -282,6 +307,10 @@ impl Job<'_> {
         }
         motion
     }
+}
+
+fn first(values: &[f64], count: usize) -> Vec<f64> {
+    values.iter().copied().take(count).collect()
 }
 
 /// Times that the record is gone through before a filter of a measuring chain counts as settled.

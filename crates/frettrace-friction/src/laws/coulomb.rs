@@ -84,4 +84,8 @@ impl<T: Scalar> FrictionLaw<T> for Coulomb<T> {
     fn step(&self, state: [T; 0], step: &Step<T>) -> ([T; 0], T) {
         (state, self.mu_k * positive_part(step.normal[1]) * sense(step))
     }
+
+    fn at_rest(&self, _: [T; 0], step: &Step<T>) -> Option<[T; 2]> {
+        Some(self.bounds(T::from(0.0), step.normal[1]))
+    }
 }

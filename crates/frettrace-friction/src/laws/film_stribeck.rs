@@ -89,4 +89,10 @@ impl<T: Scalar> FrictionLaw<T> for FilmStribeck<T> {
         let dry = self.film.coefficient(velocity, thickness) * positive_part(step.normal[1]) * sense(step);
         ([thickness], dry + self.sigma2 * (velocity + self.inertia * acceleration(step)))
     }
+
+    fn at_rest(&self, state: [T; 1], step: &Step<T>) -> Option<[T; 2]> {
+        let thickness = self.film.step(state[0], step);
+        let level = self.film.coefficient(T::from(0.0), thickness) * positive_part(step.normal[1]);
+        Some([-level, level])
+    }
 }

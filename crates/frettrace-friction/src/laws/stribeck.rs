@@ -94,4 +94,9 @@ impl<T: Scalar> FrictionLaw<T> for Stribeck<T> {
         let dry = self.coefficient(velocity) * positive_part(step.normal[1]) * sense(step);
         (state, dry + self.sigma2 * velocity)
     }
+
+    fn at_rest(&self, _: [T; 0], step: &Step<T>) -> Option<[T; 2]> {
+        let level = self.mu_s * positive_part(step.normal[1]);
+        Some([-level, level])
+    }
 }

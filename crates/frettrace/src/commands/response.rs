@@ -4,7 +4,7 @@ use super::Session;
 use anyhow::ensure;
 use clap::Args;
 use frettrace::report::{chart::Ink, responses};
-use frettrace::response::{FrequencyResponse, ResponseOptions, response};
+use frettrace::response::{FrequencyResponse, JUMPED, ResponseOptions, response};
 use frettrace::store;
 use frettrace_measurement::DataFile;
 use std::path::PathBuf;
@@ -95,5 +95,11 @@ fn text(found: &FrequencyResponse) -> String {
         ),
         _ => "\nbackbone: none found\n".to_owned(),
     };
-    head.to_owned() + &rows.collect::<String>() + &backbone
+    let jumped = found.levels.iter().any(|level| level.status == JUMPED);
+    let meaning = if jumped {
+        "\njumped: there the force of the law falls by a finite step (it breaks away), and beside it is no motion to go on with\n"
+    } else {
+        ""
+    };
+    head.to_owned() + &rows.collect::<String>() + meaning + &backbone
 }

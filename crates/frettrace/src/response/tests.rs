@@ -57,7 +57,7 @@ fn with_law(law: Law, values: &[f64]) -> Rig {
 }
 
 /// Every law of the catalogue is followed to the end of the range, but for one that is refused, and one whose force falls from μ_s N
-/// to μ_k N where it breaks away, with no motion beside it: on the level at which that begins there is no curve to follow.
+/// to μ_k N where it breaks away: on the level at which that begins the curve ends, and says why.
 #[test]
 fn every_law_has_a_response() {
     let options =
@@ -81,8 +81,49 @@ fn every_law_has_a_response() {
             }
         }
     }
-    let breaks_away = [("sdfm", 1.0, "stalled")];
-    assert!(unfinished.iter().all(|ended| breaks_away.contains(ended)), "{unfinished:?}");
+    assert_eq!(unfinished, [("sdfm", 1.0, JUMPED)]);
+}
+
+/// A contact that sticks on a spring and breaks away at μ_s N = 6 N, to slide at 4 N: its curve ends where the force of the spring, a sinusoid
+/// of one line, has reached 6 N, and not before. The march of the same rig still sticks 0.2 Hz below, with a force that is a sinusoid, and slides
+/// 0.2 Hz above, with one that is not: there is no motion between them.
+#[test]
+fn a_curve_ends_where_the_force_jumps() {
+    let law =
+        "tangential_stiffness_n_per_m = 5e7\ntangential_damping_n_s_per_m = 100.0\nmu_s = 0.6\nmu_k = 0.4\n";
+    let text = RIG
+        .replace(
+            "slip = \"rotation\"\nlever_arm_m = 0.0037\nnormal_stiffness_n_per_m = 5.0e6\n",
+            "slip = \"transverse\"\n",
+        )
+        .replace("law = \"dahl\"", "law = \"sdfm\"")
+        .replace("sigma0_per_m = 5.0e5\nmu_k = 0.25\nexponent = 1.0\n", law)
+        .replace("preload_n = 70.0", "preload_n = 10.0")
+        .replace("[1.0, 8.0]", "[0.5]");
+    let range_hz = Some([100.0, 118.0]);
+    let options = ResponseOptions { range_hz, stability: false, ..ResponseOptions::default() };
+    let found = response(&rig(&text), &options, &Progress::silent()).unwrap();
+    let level = &found.levels[0];
+    let end = level.points.last().unwrap();
+    assert_eq!(level.status, JUMPED);
+    // The steps end at 1e-7 of the range of 18 Hz, over which the force grows about tenfold; 128 samples a period see its peak to 3e-4.
+    assert!((end.friction_force_n / 6.0 - 1.0).abs() < 3e-4, "{end:?}");
+    assert!(
+        level.points.iter().all(|point| point.friction_force_n <= end.friction_force_n),
+        "it sticks all along"
+    );
+    // Crest of the force: largest over root mean square, √2 of a sinusoid.
+    let crest = |hertz: f64| {
+        let beside = text.replace("frequency_hz = 104.0", &format!("frequency_hz = {hertz}"));
+        let made = simulate::simulate(&rig(&beside), &Progress::silent()).unwrap();
+        let samples = &made.truth.runs[0].friction_force;
+        let square = samples.iter().map(|f| f * f).sum::<f64>() / samples.len() as f64;
+        samples.iter().fold(0.0_f64, |most, f| most.max(f.abs())) / square.sqrt()
+    };
+    let [below, above] = [-0.2, 0.2].map(|step| crest(end.frequency_hz + step));
+    // The record of 13.2 periods is no whole number of them.
+    assert!((below / 2.0_f64.sqrt() - 1.0).abs() < 0.02, "{below}");
+    assert!(above > 1.06 * below, "{below} {above}");
 }
 
 /// The order follows the truncation asked, point by point, and the highest lines change the motion by no more than it says.

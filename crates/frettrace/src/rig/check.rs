@@ -29,6 +29,8 @@ const SECTION: [f64; 2] = [1e-4, 1.0];
 const STIFFNESS: [f64; 2] = [1.0, 1e12];
 const RATIO: [f64; 2] = [1e-6, 0.3];
 const SMALL_CHANGE: [f64; 2] = [-0.5, 0.5];
+/// Least distance of the exciter from the clamp, over the length.
+const LEAST_ARM: f64 = 1e-3;
 /// Most steps of the march in a fine sample.
 const MOST_STEPS: f64 = 256.0;
 
@@ -84,17 +86,22 @@ fn support(rig: &Rig) -> Checked {
             })?;
             within("support.normal_stiffness_n_per_m", stiffness, [1.0, f64::INFINITY])
         }
-        RigSlip::Transverse => within(
-            "support.normal_stiffness_n_per_m",
-            support.normal_stiffness_n_per_m.unwrap_or(0.0),
-            [0.0, 0.0],
-        ),
+        RigSlip::Transverse => match support.normal_stiffness_n_per_m {
+            None | Some(0.0) => Ok(()),
+            Some(stiffness) => Err(Problem {
+                place: "support.normal_stiffness_n_per_m".to_owned(),
+                found: stiffness.to_string(),
+                allowed: "none with slip = \"transverse\": the end slides, its normal force is the preload"
+                    .to_owned(),
+            }),
+        },
     }
 }
 
 fn places(rig: &Rig) -> Checked {
     let on_beam = [0.0, rig.beam.length_m];
-    within("exciter.position_m", rig.exciter.position_m, on_beam)?;
+    // A force at the clamp moves nothing.
+    within("exciter.position_m", rig.exciter.position_m, [LEAST_ARM * rig.beam.length_m, rig.beam.length_m])?;
     within("sensors.position_m, number of values", rig.sensors.position_m.len() as f64, [1.0, 64.0])?;
     rig.sensors.position_m.iter().try_for_each(|&x| within("sensors.position_m", x, on_beam))?;
     within("sensors.noise_std_m_per_s2", rig.sensors.noise_std_m_per_s2, [0.0, 1e4])?;

@@ -75,7 +75,7 @@ fn bare_mistakes_are_refused_in_one_line() {
         ("thickness_m = 0.0075", "thickness_m = 0.0", "beam.thickness_m is 0; allowed: 0.0001 to 1"),
         ("youngs_modulus_pa = 2.0e11", "youngs_modulus_pa = 200.0", "allowed: 1000000 to 2000000000000"),
         ("[exciter]\nposition_m = 0.23\n", "", "missing field `exciter`"),
-        ("[[run]]", "[run]", "expected a sequence"),
+        ("[[run]]", "[run]", "expected a list in [ ]"),
         ("[beam]", "[beam", "line 5:"),
         ("width_m = 0.03", "width_m = 0.03\nwidth_m = 0.04", "duplicate key"),
         ("[0.02]", "[2.0]", "modes.damping_ratio is 2; allowed: 0.000001 to 0.3"),
@@ -107,6 +107,24 @@ fn bare_mistakes_are_refused_in_one_line() {
         ("position_m = 0.23", "position_m = 0.53", "exciter.position_m is 0.53; allowed: 0 to 0.5"),
         ("preload_n = 70.0", "preload_n = -70.0", "run 1: preload_n is -70; allowed: 0.001 to 1000000"),
         ("title = \"test rig\"", "title = test rig", "RIG.toml: line 2:"),
+        ("position_m = 0.23", "position_m = 0.0", "exciter.position_m is 0; allowed: 0.0005 to 0.5"),
+        ("position_m = 0.23", "position_m = nan", "exciter.position_m is NaN; allowed: 0.0005 to 0.5"),
+        (
+            "slip = \"rotation\"",
+            "slip = \"transverse\"",
+            "support.normal_stiffness_n_per_m is 5000000; allowed: none with slip = \"transverse\"",
+        ),
+        (
+            "frequency_hz = 104.0",
+            "frequency_hz = \"104 Hz\"",
+            "invalid type: string \"104 Hz\", expected a number",
+        ),
+        (
+            "samples = 1024",
+            "samples = -5",
+            "line 35: invalid value: integer `-5`, expected a whole number, 0 or more",
+        ),
+        ("[0.1, 0.31, 0.46]", "0.1", "invalid type: floating point `0.1`, expected a list in [ ]"),
     ];
     for (right, wrong, expected) in cases {
         let message = parse(&RIG.replace(right, wrong)).unwrap_err().to_string();
@@ -145,7 +163,7 @@ fn effects_are_read_by_id_with_their_own_keys() {
             "id = \"measurement.gain\"\nsensor = 3\nfactor = 1.1",
             "effect 1 (measurement.gain): sensor is 3; allowed: 0 to 2",
         ),
-        ("id = \"friction.magic\"", "unknown variant `friction.magic`"),
+        ("id = \"friction.magic\"", "unknown name `friction.magic`"),
         ("id = \"measurement.gain\"\nsensor = 1\nfactor = 1.1\nphase = 2", "unknown field `phase`"),
     ];
     for (text, expected) in wrong {

@@ -10,7 +10,7 @@ use frettrace_measurement::{
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 
-use super::{boundary, declared_modes};
+use super::{MODES, boundary, declared_modes};
 use crate::StudyError;
 use crate::rig::{Effect, Rig, RigRuns, RigSlip};
 
@@ -127,17 +127,28 @@ pub(super) fn truth(rig: &Rig, records: &[SimulatedRecord]) -> Truth {
     Truth { numbers, words, runs: records.iter().enumerate().map(run).collect() }
 }
 
-/// Which runs still changed with the steps of the march, and by how much.
+/// What of the runs the march did not settle: steps that were not short enough, modes that were left out, motions that are one of many.
 fn march_note(records: &[SimulatedRecord]) -> Option<String> {
-    let of_run = |(index, record): (usize, &SimulatedRecord)| {
-        let Marching { rate, change, tolerance } = record.marching;
-        let change = change.filter(|&change| change > tolerance)?;
-        Some(format!(
-            "run {}: {change:.2e} m/s² at {rate:.0} steps a second, {tolerance:.2e} wanted",
-            run_id(index)
-        ))
+    let about = |what: &str, of_run: &dyn Fn(&Marching) -> Option<String>| {
+        let runs = records.iter().enumerate().filter_map(|(index, record)| {
+            of_run(&record.marching).map(|words| format!("run {}{words}", run_id(index)))
+        });
+        let runs: Vec<String> = runs.collect();
+        (!runs.is_empty()).then(|| format!("{what} ({})", runs.join("; ")))
     };
-    let notes: Vec<String> = records.iter().enumerate().filter_map(of_run).collect();
-    (!notes.is_empty())
-        .then(|| format!("accelerations still change with the steps of the march ({})", notes.join("; ")))
+    let changes = about("accelerations still change with the steps of the march", &|marching| {
+        let Marching { rate, change, tolerance, .. } = *marching;
+        let change = change.filter(|change| change.is_finite() && *change > tolerance)?;
+        Some(format!(": {change:.2e} m/s² at {rate:.0} steps a second, {tolerance:.2e} wanted"))
+    });
+    let chatters = about(
+        "the contact chatters faster than the march can follow: what is recorded is one of many such motions",
+        &|marching| marching.change.filter(|change| change.is_infinite()).map(|_| String::new()),
+    );
+    let fewer = about(
+        "with all modes the contact chatters beyond what is recorded: the others follow their loads without ringing",
+        &|marching| (marching.modes < MODES).then(|| format!(": {} of {MODES} modes", marching.modes)),
+    );
+    let notes: Vec<String> = [changes, chatters, fewer].into_iter().flatten().collect();
+    (!notes.is_empty()).then(|| notes.join(". "))
 }
