@@ -1,10 +1,11 @@
 //! Splines against cut series, harmonic against subharmonic form, over sets whose truth is known.
 
 use crate::case::{Case, Outcome, Row};
+use crate::practice;
 use frettrace::Progress;
 use frettrace::reconstruct::{FormChoice, ReconstructOptions, reconstruct};
 use frettrace_measurement::{DataFile, read_measurement};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The case.
 pub const CASE: Case = Case { name: "compare_splines", run };
@@ -19,31 +20,8 @@ const WAYS: [(&str, FormChoice, bool); 6] = [
     ("subharmonic and spline", FormChoice::Subharmonic, true),
 ];
 
-/// Where the sets lie: `practice` in `FRETTRACE_DATA`, or that folder itself.
-fn folder() -> Option<PathBuf> {
-    let data = PathBuf::from(std::env::var_os("FRETTRACE_DATA")?);
-    let inner = data.join("practice");
-    let folder = if inner.is_dir() { inner } else { data };
-    (!names(&folder).is_empty()).then_some(folder)
-}
-
-/// Names of the sets of a folder: `NAME.truth.h5` beside `NAME.h5`.
-fn names(folder: &Path) -> Vec<String> {
-    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
-    let name = |entry: std::fs::DirEntry| {
-        entry.file_name().to_str().and_then(|name| name.strip_suffix(".truth.h5")).map(str::to_owned)
-    };
-    let mut names: Vec<String> = entries.flatten().filter_map(name).collect();
-    names.sort();
-    names
-}
-
 fn run() -> anyhow::Result<Outcome> {
-    let Some(folder) = folder() else {
-        return Ok(Outcome::Skipped(
-            "sets with known truth are absent; FRETTRACE_DATA names their folder".into(),
-        ));
-    };
+    let Some(folder) = practice::folder() else { return Ok(Outcome::Skipped(practice::ABSENT.into())) };
     let sets = compared(&folder)?;
     let row = |(way, (name, _, _)): (usize, &(&str, FormChoice, bool))| {
         let found = middle(sets.iter().map(|(_, errors)| errors[way]).collect());
@@ -65,8 +43,7 @@ fn run() -> anyhow::Result<Outcome> {
 /// # Errors
 /// Where the sets are absent or cannot be read.
 pub fn table() -> anyhow::Result<String> {
-    let folder =
-        folder().ok_or_else(|| anyhow::anyhow!("FRETTRACE_DATA names no folder of sets with known truth"))?;
+    let folder = practice::folder().ok_or_else(|| anyhow::anyhow!(practice::ABSENT))?;
     let mut text = "| set |".to_owned();
     WAYS.iter().for_each(|(name, _, _)| text += &format!(" {name} |"));
     text += "\n|---|---|---|---|---|---|---|\n";
@@ -80,7 +57,7 @@ pub fn table() -> anyhow::Result<String> {
 
 /// Median error over the runs of each set, for each way.
 fn compared(folder: &Path) -> anyhow::Result<Vec<(String, Vec<f64>)>> {
-    names(folder)
+    practice::names(folder)
         .into_iter()
         .map(|name| {
             let measurement = read_measurement(folder.join(format!("{name}.h5")))?;
