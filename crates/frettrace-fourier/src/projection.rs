@@ -60,6 +60,8 @@ pub struct Projected {
     pub residual: Vec<f64>,
     /// Standard deviation of the residual, corrected for the unknowns.
     pub residual_std: f64,
+    /// Periodogram `|R_k|²/n` of the residual, bins `0..=n/2`: that of white noise has its variance for a mean.
+    pub periodogram: Vec<f64>,
 }
 
 /// Projection by least squares: the record need not hold an integer number of periods.
@@ -124,7 +126,8 @@ impl Projector {
         let residual = self.residual(x, &coefficients, &drift);
         let left = (samples - solution.nrows()) as f64;
         let residual_std = (residual.iter().map(|r| r * r).sum::<f64>() / left).sqrt();
-        let floor = noise::line_noise(&residual, &self.lines);
+        let periodogram = noise::periodogram(&residual);
+        let floor = noise::line_noise(&periodogram, &self.lines);
         let variance = (0..=order)
             .map(|h| {
                 let imaginary = if h == 0 { 0.0 } else { self.inverse_diagonal[order + h] };
@@ -132,7 +135,7 @@ impl Projector {
             })
             .collect();
         let harmonics = Harmonics { base, coefficients, variance };
-        Ok(Projected { harmonics, drift, residual, residual_std })
+        Ok(Projected { harmonics, drift, residual, residual_std, periodogram })
     }
 
     /// The drift `Σ c_k P_k` of given coefficients on the samples (`n`).

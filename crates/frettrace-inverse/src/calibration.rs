@@ -79,12 +79,14 @@ pub(crate) struct Equations<'a> {
     pub(crate) loads: Vec<Load>,
     /// Variance that an imperfect structure adds to each sensor of each line `1..=H`; empty for none.
     pub(crate) doubt: Vec<Vec<f64>>,
+    /// Share `ε²` of a sensor's power that it adds.
+    pub(crate) share: f64,
 }
 
 impl<'a> Equations<'a> {
     /// Equations of a perfect structure.
     pub(crate) fn new(lines: &'a RunLines, loads: Vec<Load>) -> Self {
-        Self { lines, loads, doubt: Vec::new() }
+        Self { lines, loads, doubt: Vec::new(), share: 0.0 }
     }
 
     /// Data of a line `h ≥ 1`.

@@ -9,6 +9,7 @@ use crate::dynamics::{Dynamics, LineReceptances, Load};
 use crate::splines::PeriodicSpline;
 use frettrace_fourier::Harmonics;
 use num_complex::Complex64;
+pub(crate) use outputs::COMPLIANCE_DOUBT;
 use outputs::Outputs;
 
 /// What was recovered in the contact, line by line; line 0 is zero throughout, for accelerations do not see means.
@@ -32,28 +33,19 @@ pub struct ContactHarmonics {
 
 /// Errors that all lines of a quantity have in common, for they come from the structure: `Σ_p ξ_p Re Σ_h g_ph e^{ihΩt}` with
 /// independent standard normal `ξ_p`. They are part of the variances of the lines; in a time series they make a band that
-/// breathes with the signal. One vector of `H + 1` coefficients a source `p`; none for an aperiodic run.
+/// breathes with the signal. One vector of `H + 1` coefficients a source `p`.
 #[derive(Clone, Debug, Default)]
 pub struct SharedErrors {
     /// Of the friction force (N).
     pub friction: Vec<Vec<Complex64>>,
     /// Of the slip (m).
     pub slip: Vec<Vec<Complex64>>,
+    /// Of the slip velocity (m/s).
+    pub slip_velocity: Vec<Vec<Complex64>>,
     /// Of the normal force (N).
     pub normal: Vec<Vec<Complex64>>,
     /// Of the force of the second support (N).
     pub second_support: Vec<Vec<Complex64>>,
-}
-
-impl SharedErrors {
-    /// Of the slip velocity (m/s), with the base frequency (rad/s): line `h` of the slip times `ihΩ`.
-    #[must_use]
-    pub fn slip_velocity(&self, base: f64) -> Vec<Vec<Complex64>> {
-        let turned = |source: &Vec<Complex64>| {
-            source.iter().enumerate().map(|(h, g)| g * Complex64::new(0.0, base * h as f64)).collect()
-        };
-        self.slip.iter().map(turned).collect()
-    }
 }
 
 /// What no contact force at the declared places can explain: the structure or a sensor is at fault, never a friction law.
@@ -202,9 +194,13 @@ impl Table {
         let mut next = || all.next().unwrap_or_else(|| Harmonics::exact(base, Vec::new()));
         let (friction, slip, normal, second) = (next(), next(), next(), next());
         let [shared_friction, shared_slip, shared_normal, shared_second] = self.shared;
+        let turned = |source: &Vec<Complex64>| -> Vec<Complex64> {
+            source.iter().enumerate().map(|(h, g)| g * Complex64::new(0.0, base * h as f64)).collect()
+        };
         ContactHarmonics {
             shared: SharedErrors {
                 friction: shared_friction,
+                slip_velocity: shared_slip.iter().map(turned).collect(),
                 slip: shared_slip,
                 normal: shared_normal,
                 second_support: shared_second,

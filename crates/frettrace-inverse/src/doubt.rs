@@ -65,6 +65,7 @@ pub(crate) fn add(setting: &Setting<'_>, runs: &mut [Equations<'_>]) -> bool {
         let conspicuous =
             Sums::of(lines, own).square() > square && Sums::of(lines, square).beyond(square) > OWN;
         let here = if conspicuous { own } else { square };
+        run.share = here;
         run.doubt = powers.iter().map(|line| line.iter().map(|p| here * p).collect()).collect();
         any |= here > 0.0;
     }

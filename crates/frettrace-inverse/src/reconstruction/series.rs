@@ -1,6 +1,7 @@
 //! Time series of the result.
 
 use crate::RunData;
+use crate::contact::ContactHarmonics;
 use frettrace_fourier::{Grid, Harmonics};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -31,7 +32,10 @@ impl Channel {
     pub(crate) fn from_harmonics(harmonics: &Harmonics, shared: &[Vec<Complex64>], times: &Times) -> Self {
         let Times { rate, samples, frequency_std } = *times;
         let total = 0.5 * harmonics.variance.iter().sum::<f64>();
-        let (variance, breathing) = split(total, shared);
+        // The lines of a record that has no period are its own bins.
+        let own = (harmonics.base * samples as f64 - TAU * rate).abs() < 1e-9 * TAU * rate;
+        let grid = own.then_some(samples);
+        let (variance, breathing) = split(total, shared, grid);
         let turn = if harmonics.base > 0.0 { frequency_std / harmonics.base } else { 0.0 };
         let middle = 0.5 * (samples as f64 - 1.0) / rate;
         let derivative = harmonics.derivative();
@@ -49,6 +53,14 @@ impl Channel {
         Self { values: harmonics.sample(rate, samples), std }
     }
 
+    /// The same with what is independent of it added.
+    #[must_use]
+    pub(crate) fn with(mut self, other: &Self) -> Self {
+        self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += b);
+        self.std.iter_mut().zip(&other.std).for_each(|(a, b)| *a = a.hypot(*b));
+        self
+    }
+
     /// The same, moved by a constant.
     #[must_use]
     pub(crate) fn plus(mut self, constant: f64) -> Self {
@@ -57,15 +69,58 @@ impl Channel {
     }
 }
 
+/// Time series of a contact.
+pub(crate) struct Series {
+    pub(crate) friction: Channel,
+    pub(crate) slip: Channel,
+    pub(crate) slip_velocity: Channel,
+    pub(crate) normal: Channel,
+    pub(crate) second_support: Option<Channel>,
+    pub(crate) acceleration_fit: Vec<Channel>,
+}
+
+impl Series {
+    /// Samples of what was recovered.
+    pub(crate) fn of(contact: &ContactHarmonics, times: &Times) -> Self {
+        let series = |harmonics, shared: &[_]| Channel::from_harmonics(harmonics, shared, times);
+        let shared = &contact.shared;
+        let second = contact.second_support.as_ref();
+        Self {
+            friction: series(&contact.friction, &shared.friction),
+            slip: series(&contact.slip, &shared.slip),
+            slip_velocity: series(&contact.slip_velocity, &shared.slip_velocity),
+            normal: series(&contact.normal, &shared.normal),
+            second_support: second.map(|second| series(second, &shared.second_support)),
+            acceleration_fit: contact.acceleration_fit.iter().map(|a| series(a, &[])).collect(),
+        }
+    }
+
+    /// The same with what is independent of it added.
+    pub(crate) fn with(self, other: &Self) -> Self {
+        let fits = self.acceleration_fit.into_iter().zip(&other.acceleration_fit);
+        Self {
+            friction: self.friction.with(&other.friction),
+            slip: self.slip.with(&other.slip),
+            slip_velocity: self.slip_velocity.with(&other.slip_velocity),
+            normal: self.normal.with(&other.normal),
+            second_support: self
+                .second_support
+                .map(|own| other.second_support.as_ref().map_or(own.clone(), |more| own.with(more))),
+            acceleration_fit: fits.map(|(own, more)| own.with(more)).collect(),
+        }
+    }
+}
+
 /// Share of the total variance below which a shared error is counted as an independent one.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// Splits a total variance into the part that does not depend on time, and that of the shared errors over one period.
-fn split(total: f64, shared: &[Vec<Complex64>]) -> (f64, Vec<f64>) {
+/// Splits a total variance into the part that does not depend on time, and that of the shared errors over one period, at so many
+/// places of it.
+fn split(total: f64, shared: &[Vec<Complex64>], places: Option<usize>) -> (f64, Vec<f64>) {
     let power = |source: &[Complex64]| 0.5 * source.iter().map(Complex64::norm_sqr).sum::<f64>();
     let strong: Vec<&Vec<Complex64>> = shared.iter().filter(|s| power(s) > NEGLIGIBLE * total).collect();
     let order = strong.first().map_or(0, |source| source.len() - 1);
-    let samples = (8 * order).max(1).next_power_of_two();
+    let samples = places.unwrap_or((8 * order).max(1).next_power_of_two());
     let Ok(grid) = Grid::new(order, samples) else { return (total, Vec::new()) };
     let mut scratch = grid.scratch();
     let (mut sum, mut one) = (vec![0.0; samples], vec![0.0; samples]);
