@@ -35,7 +35,7 @@ use faer::{Col, Mat, Side};
 use frettrace_fourier::tapered_spectrum;
 pub(crate) use known::{Known, Left};
 use num_complex::Complex64;
-use power::smoothed;
+use power::{FROM_FEW, smoothed};
 use rayon::prelude::*;
 use sources::Slow;
 use std::f64::consts::TAU;
@@ -87,7 +87,9 @@ pub(crate) fn solve(
     for _ in 1..ROUNDS {
         round = whole.round(whole.updated_priors(&round, ESTIMATED));
     }
-    let allowed = whole.round(whole.updated_priors(&round, ALLOWED));
+    let mut allowed = whole.updated_priors(&round, ALLOWED);
+    allowed.iter_mut().flatten().for_each(|power| *power *= FROM_FEW);
+    let allowed = whole.round(allowed);
     whole.outcome(&round, &allowed)
 }
 

@@ -157,7 +157,8 @@ pub(crate) fn calibrate(
             break;
         }
     }
-    let covariance = inverse(&step).unwrap_or_else(|| declared.covariance.clone());
+    let known = problem.weighted(&theta, &|weight| weight.min(1.0));
+    let covariance = inverse(&known).unwrap_or_else(|| declared.covariance.clone());
     CalibratedStructure { model: problem.model(&theta), covariance, modes: declared.modes, converged }
 }
 
@@ -194,8 +195,14 @@ impl Problem<'_> {
     }
 
     fn step(&self, theta: &[f64]) -> Step {
+        self.weighted(theta, &|weight| weight)
+    }
+
+    /// Normal equations with other weights of the lines. A line that fits better than it need is not known better: the covariance is that
+    /// of weights of at most one.
+    fn weighted(&self, theta: &[f64], weight: &(dyn Fn(f64) -> f64 + Sync)) -> Step {
         let model = self.model(theta);
-        let parts: Vec<Step> = self.runs.par_iter().map(|run| self.run_step(&model, run)).collect();
+        let parts: Vec<Step> = self.runs.par_iter().map(|run| self.run_step(&model, run, weight)).collect();
         let mut total = parts.iter().fold(Step::zero(theta.len()), Step::add);
         for (p, value) in theta.iter().enumerate() {
             let precision = 1.0 / self.declared.covariance[p * theta.len() + p];
@@ -206,7 +213,7 @@ impl Problem<'_> {
         total
     }
 
-    fn run_step(&self, model: &ModalModel, run: &Equations<'_>) -> Step {
+    fn run_step(&self, model: &ModalModel, run: &Equations<'_>, weight: &dyn Fn(f64) -> f64) -> Step {
         let modes = self.declared.modes;
         let mut step = Step::zero(2 * modes);
         let mut line = LineReceptances::default();
@@ -221,7 +228,7 @@ impl Problem<'_> {
                 continue;
             }
             step.cost += (HEAVY_TAIL + freedom) * (chi / HEAVY_TAIL).ln_1p();
-            let weight = (HEAVY_TAIL + freedom) / (HEAVY_TAIL + chi);
+            let weight = weight((HEAVY_TAIL + freedom) / (HEAVY_TAIL + chi));
             let motion = Motion { dynamics: self.dynamics, model, omega: line.omega(), data: &data, run };
             for mode in 0..modes {
                 motion.tangents(mode, &balance, &mut columns);

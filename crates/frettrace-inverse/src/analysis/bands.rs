@@ -7,8 +7,9 @@ const LEAST: f64 = 0.05;
 const SIGNIFICANT: f64 = 5.0;
 /// Bins of the lowest band: fewer have the tails of single bins.
 const LOWEST: usize = 3;
-/// Share of an excess that may remain for it to be explained.
+/// Share of an excess that may remain for it to be explained, and deviations of the noise besides.
 const LEFT: f64 = 0.05;
+const CHANCE: f64 = 2.0;
 
 /// Power of an octave over that of the noise, less one, and its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,16 +23,22 @@ impl Band {
     pub(crate) fn is_conspicuous(&self) -> bool {
         self.excess > LEAST.max(SIGNIFICANT * self.std)
     }
-
-    /// Whether what is left of it is noise, or nearly nothing of it.
-    pub(crate) fn is_explained(&self, left: &Self) -> bool {
-        left.excess < LEFT * self.excess + 2.0 * self.std
-    }
 }
 
-/// Excess of each octave, over all sensors, from their periodograms `|R_k|²/n`.
+/// Whether noise, or nearly nothing, is left of what was conspicuous.
+pub(crate) fn is_explained(before: &[Band], after: &[Band]) -> bool {
+    // Bands weigh as their bins do: by the square of one over their deviation.
+    let count = |band: &Band| band.std.powi(-2);
+    let asked = || before.iter().zip(after).filter(|(before, _)| before.is_conspicuous());
+    let bound: f64 = asked().map(|(before, _)| count(before) * before.excess).sum();
+    let free: f64 = asked().map(|(_, after)| count(after) * after.excess).sum();
+    let scatter = asked().map(|(before, _)| count(before)).sum::<f64>().sqrt();
+    free < LEFT * bound + CHANCE * scatter
+}
+
+/// Excess of each octave, over all sensors, from their periodograms `|R_k|²/n` of the bins `0..=n/2`; the last one is left out.
 pub(crate) fn excesses(periodograms: &[&[f64]], noise_std: &[f64]) -> Vec<Band> {
-    let last = periodograms.iter().map(|power| power.len()).min().unwrap_or(0);
+    let last = periodograms.iter().map(|power| power.len().saturating_sub(1)).min().unwrap_or(0);
     let edges = std::iter::successors(Some(1), |&edge| Some((2 * edge).max(edge + LOWEST)));
     let edges: Vec<usize> = edges.take_while(|edge| *edge < last).collect();
     edges
@@ -70,6 +77,6 @@ mod tests {
         moving.iter_mut().for_each(|power| power[2] += 0.09 * 10.0);
         let found = bands(&moving);
         assert!(found[0].is_conspicuous() && found[1..].iter().all(|band| !band.is_conspicuous()));
-        assert!(found[0].is_explained(&bands(&noise)[0]) && !found[0].is_explained(&found[0]));
+        assert!(is_explained(&found, &bands(&noise)) && !is_explained(&found, &found));
     }
 }

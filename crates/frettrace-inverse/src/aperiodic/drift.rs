@@ -4,7 +4,7 @@
 //! against what a random walk through the next bins would do, `R`. The part `S = Λ(Λ + R)⁻¹` of it is taken out again, and `Λ − SΛ`
 //! is how well the drift is then known.
 
-use super::power::smoothed;
+use super::power::{FROM_FEW, smoothed};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use frettrace_fourier::{spectrum, tapered_spectrum};
@@ -77,7 +77,7 @@ impl Polynomial {
     fn level(&self, force: &Seen) -> f64 {
         let tapered = tapered_spectrum(&force.still);
         let powers: Vec<f64> = tapered[1..].iter().zip(&force.left).map(|(z, v)| z.norm_sqr() + v).collect();
-        self.walk * smoothed(&powers, &force.free, (2, OWN)).first().copied().unwrap_or(0.0)
+        FROM_FEW * self.walk * smoothed(&powers, &force.free, (2, OWN)).first().copied().unwrap_or(0.0)
     }
 }
 

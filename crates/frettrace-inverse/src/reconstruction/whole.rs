@@ -1,7 +1,7 @@
 //! Runs that are not periodic, and what periodic runs hold beside their lines.
 
 use super::{answered, asks, with_normal_reaction};
-use crate::analysis::bands::Band;
+use crate::analysis::bands;
 use crate::aperiodic::{self, Known, Left};
 use crate::calibration::Equations;
 use crate::contact::{RunBalance, Setting};
@@ -61,10 +61,7 @@ pub(super) fn beside_lines(setting: &Setting<'_>, equations: &Equations<'_>) -> 
         let found = aperiodic::solve(setting, rest, (&known, equations.share), &equations.loads);
         let sampled = |a: &Harmonics| a.sample(rest.rate, rest.force.len());
         let fitted: Vec<Vec<f64>> = found.contact.acceleration_fit.iter().map(sampled).collect();
-        let (before, after) = (rest.excesses(&[]), rest.excesses(&fitted));
-        let is_explained =
-            |(before, after): (&Band, &Band)| !before.is_conspicuous() || before.is_explained(after);
-        if before.iter().zip(&after).all(is_explained) {
+        if bands::is_explained(&rest.excesses(&[]), &rest.excesses(&fitted)) {
             return Beside::Contact(Box::new(found));
         }
     }
