@@ -98,19 +98,21 @@ pub(crate) struct Setting<'a> {
 impl Setting<'_> {
     /// Residual of the balance without any prior on the forces.
     pub(crate) fn residual(&self, run: &Equations<'_>) -> BalanceResidual {
-        self.free(run).0
+        self.free(run, &run.receptances(self.dynamics, &self.structure.model)).0
     }
 
     /// Balance without prior: residual, and force and variance of each unknown and line.
-    fn free(&self, run: &Equations<'_>) -> (BalanceResidual, Vec<Vec<(Complex64, f64)>>) {
+    fn free(
+        &self,
+        run: &Equations<'_>,
+        receptances: &[LineReceptances],
+    ) -> (BalanceResidual, Vec<Vec<(Complex64, f64)>>) {
         let unknowns = run.loads.len();
         let none = vec![f64::INFINITY; unknowns];
         let mut found = BalanceResidual::default();
         let mut powers = vec![Vec::with_capacity(run.order()); unknowns];
-        let mut line = LineReceptances::default();
-        for h in 1..=run.order() {
-            self.dynamics.fill(&self.structure.model, run.lines.force.omega(h), &mut line);
-            let balance = LineBalance::solve(&line, &run.data(h), &run.loads, &none);
+        for (line, h) in receptances.iter().zip(1..) {
+            let balance = LineBalance::solve(line, &run.data(h), &run.loads, &none);
             let covariance = balance.covariance();
             for (u, power) in powers.iter_mut().enumerate() {
                 power.push((balance.forces[u], covariance[u * unknowns + u].re));
@@ -124,8 +126,9 @@ impl Setting<'_> {
 
     /// Balance with the regularisation: each force of each line has a prior variance drawn from the spectrum itself.
     pub(crate) fn balance(&self, run: &Equations<'_>) -> RunBalance {
-        let (residual, plain) = self.free(&Equations::new(run.lines, run.loads.clone()));
-        let powers = if run.doubt.is_empty() { plain.clone() } else { self.free(run).1 };
+        let receptances = run.receptances(self.dynamics, &self.structure.model);
+        let (residual, plain) = self.free(&run.with_loads(run.loads.clone()), &receptances);
+        let powers = if run.doubt.is_empty() { plain.clone() } else { self.free(run, &receptances).1 };
         let stride = 2 * run.lines.subharmonic_order;
         let priors: Vec<Vec<f64>> = plain
             .iter()
@@ -135,12 +138,10 @@ impl Setting<'_> {
         let smooth = if self.splines { smoothed(run, &powers[0]) } else { None };
         let roots = self.structure.roots();
         let mut table = Table::new(run, self.dynamics.sensors(), roots.len() + 1);
-        let mut line = LineReceptances::default();
         let mut regularised = Vec::new();
-        for h in 1..=run.order() {
-            self.dynamics.fill(&self.structure.model, run.lines.force.omega(h), &mut line);
+        for (line, h) in receptances.iter().zip(1..) {
             let prior: Vec<f64> = priors.iter().map(|p| p[h - 1]).collect();
-            let mut balance = LineBalance::solve(&line, &run.data(h), &run.loads, &prior);
+            let mut balance = LineBalance::solve(line, &run.data(h), &run.loads, &prior);
             if let Some(smooth) = &smooth {
                 balance.forces[0] = smooth.coefficients[h];
             }
@@ -148,7 +149,7 @@ impl Setting<'_> {
             if balance.degenerate || priors[0][h - 1] < friction {
                 regularised.push(h);
             }
-            let outputs = Outputs { setting: self, run, line: &line, balance: &balance, h };
+            let outputs = Outputs { setting: self, run, line, balance: &balance, h };
             outputs.write(&roots, &mut table);
         }
         RunBalance { contact: table.finish(run), residual, regularised }

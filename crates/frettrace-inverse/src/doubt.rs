@@ -93,7 +93,7 @@ fn excess(setting: &Setting<'_>, run: &Equations<'_>) -> (Vec<LineExcess>, Vec<V
     let mut line = LineReceptances::default();
     let (mut excesses, mut powers) = (Vec::new(), Vec::new());
     for h in 1..=run.order() {
-        setting.dynamics.fill(&setting.structure.model, run.lines.force.omega(h), &mut line);
+        setting.dynamics.fill_upon(&setting.structure.model, run.fixed, h, &mut line);
         let data = run.data(h);
         let balance = LineBalance::solve(&line, &data, &run.loads, &free);
         let power: Vec<f64> = (0..data.accelerations.len())

@@ -11,7 +11,7 @@ use crate::analysis::{Form, RunLines, analyse};
 use crate::calibration::{CalibratedStructure, Equations, calibrate};
 use crate::contact::{BalanceResidual, ContactHarmonics, RunBalance, Setting};
 use crate::doubt;
-use crate::dynamics::{Dynamics, Load};
+use crate::dynamics::{Dynamics, FixedReceptances, Load};
 use crate::findings::{self, Finding};
 use crate::{InverseError, Options, Rig, RunData, Slip};
 use rayon::prelude::*;
@@ -85,22 +85,27 @@ pub fn reconstruct(
         runs.par_iter().map(|run| analyse(run, &rig.sensors, options.form)).collect::<Result<_, _>>()?;
     let dynamics = Dynamics::new(rig);
     let declared = CalibratedStructure::declared(rig.structure.clone(), &rig.trust);
-    let mut wanted = vec![Load::Friction];
-    wanted.extend(rig.second_support.map(|_| Load::SecondSupport));
-    let mut loads = vec![wanted; runs.len()];
-    let calibrated = |equations: &[Equations<'_>]| fitted(&declared, &dynamics, equations, options);
-    let mut structure = calibrated(&equations(&lines, &loads));
-    if free_normal_reaction(rig, &setting(rig, &structure, &dynamics), &lines, &mut loads) {
-        structure = calibrated(&equations(&lines, &loads));
+    let fixed: Vec<FixedReceptances> = lines
+        .par_iter()
+        .map(|run| dynamics.fixed(&rig.structure, declared.modes, (run.force.base, run.force.order())))
+        .collect();
+    let mut equations: Vec<Equations<'_>> =
+        lines.iter().zip(&fixed).map(|run| Equations::new(run, wanted(rig))).collect();
+    let calibrated = |from: &CalibratedStructure, equations: &[Equations<'_>]| {
+        fitted((&declared, from), &dynamics, equations, options)
+    };
+    let mut structure = calibrated(&declared, &equations);
+    if free_normal_reaction(rig, &setting(rig, &structure, &dynamics), &mut equations) {
+        structure = calibrated(&structure, &equations);
     }
-    let mut equations = equations(&lines, &loads);
     if doubt::add(&setting(rig, &structure, &dynamics), &mut equations) {
-        structure = calibrated(&equations);
+        structure = calibrated(&structure, &equations);
     }
     let setting = Setting { splines: options.splines, ..setting(rig, &structure, &dynamics) };
     let mut findings = findings::of_channels(rig, runs);
-    let told = loudest(&lines)
-        .and_then(|run| findings::of_balance(&setting, &Equations::new(&lines[run], loads[run].clone())));
+    let told = loudest(&lines).and_then(|run| {
+        findings::of_balance(&setting, &equations[run].with_loads(equations[run].loads.clone()))
+    });
     findings.extend(told.filter(|finding| !finding.follows(&findings)));
     let solved: Vec<Solved> = equations
         .par_iter()
@@ -148,14 +153,14 @@ fn setting<'a>(rig: &Rig, structure: &'a CalibratedStructure, dynamics: &'a Dyna
     Setting { structure, dynamics, normal_stiffness: rig.normal_stiffness, splines: false }
 }
 
-/// Equations of all runs.
-fn equations<'a>(lines: &'a [RunLines], loads: &[Vec<Load>]) -> Vec<Equations<'a>> {
-    lines.iter().zip(loads).map(|(lines, loads)| Equations::new(lines, loads.clone())).collect()
+/// The contact forces that are wanted of every run.
+fn wanted(rig: &Rig) -> Vec<Load> {
+    [Load::Friction].into_iter().chain(rig.second_support.map(|_| Load::SecondSupport)).collect()
 }
 
-/// The structure calibrated on the periodic runs that leave degrees of freedom.
+/// The structure calibrated on the periodic runs that leave degrees of freedom, beginning from one that is near.
 fn fitted(
-    declared: &CalibratedStructure,
+    (declared, from): (&CalibratedStructure, &CalibratedStructure),
     dynamics: &Dynamics,
     equations: &[Equations<'_>],
     options: &Options,
@@ -165,7 +170,7 @@ fn fitted(
         .filter(|run| run.lines.form != Form::Aperiodic && dynamics.sensors() > run.loads.len())
         .collect();
     if options.calibrate && !usable.is_empty() {
-        calibrate(declared, dynamics, &usable)
+        calibrate((declared, from), dynamics, &usable)
     } else {
         declared.clone()
     }
@@ -174,25 +179,20 @@ fn fitted(
 /// Frees the normal reaction of the runs whose balance residual asks for it; whether any does.
 ///
 /// It asks for it when the residual is conspicuous and a force at the end takes nearly all of it away.
-fn free_normal_reaction(
-    rig: &Rig,
-    setting: &Setting<'_>,
-    lines: &[RunLines],
-    loads: &mut [Vec<Load>],
-) -> bool {
-    let mut any = false;
-    for (lines, loads) in lines.iter().zip(loads).filter(|(lines, _)| lines.form != Form::Aperiodic) {
-        let residual = |loads: &[Load]| setting.residual(&Equations::new(lines, loads.to_vec())).reduced();
-        if !asks(residual(loads)) {
-            continue;
-        }
-        let Some(more) = with_normal_reaction(rig, loads) else { continue };
-        if answered(residual(loads), residual(&more)) {
-            *loads = more;
-            any = true;
-        }
+fn free_normal_reaction(rig: &Rig, setting: &Setting<'_>, runs: &mut [Equations<'_>]) -> bool {
+    let freed = |run: &Equations<'_>| -> Option<Vec<Load>> {
+        let bound = setting.residual(run).reduced();
+        let more = with_normal_reaction(rig, &run.loads).filter(|_| asks(bound))?;
+        answered(bound, setting.residual(&run.with_loads(more.clone())).reduced()).then_some(more)
+    };
+    let found: Vec<Option<Vec<Load>>> = runs
+        .par_iter()
+        .map(|run| if run.lines.form == Form::Aperiodic { None } else { freed(run) })
+        .collect();
+    for (run, loads) in runs.iter_mut().zip(&found) {
+        run.loads = loads.clone().unwrap_or_else(|| run.loads.clone());
     }
-    any
+    found.iter().any(Option::is_some)
 }
 
 /// Whether a reduced chi-square is conspicuous.
@@ -217,10 +217,10 @@ fn with_normal_reaction(rig: &Rig, loads: &[Load]) -> Option<Vec<Load>> {
 fn finish(rig: &Rig, run: &RunData<'_>, lines: RunLines, solved: Solved) -> RunReconstruction {
     let Solved { balance: RunBalance { contact, residual, regularised }, beside, loads } = solved;
     let frequency_std = if lines.form == Form::Aperiodic { 0.0 } else { lines.frequency.std };
-    let times = Times { rate: lines.sampling_rate, samples: lines.samples, frequency_std };
-    let mut series = Series::of(&contact, &times);
+    let mut series = Series::of(&contact, &Times::new(&lines, frequency_std, &contact.friction));
     if let Beside::Contact(beside) = &beside {
-        series = series.with(&Series::of(&beside.contact, &Times { frequency_std: 0.0, ..times }));
+        let times = Times::new(&lines, 0.0, &beside.contact.friction);
+        series = series.with(&Series::of(&beside.contact, &times));
     }
     // What is between the lines and no force makes is noise, whatever was declared.
     let noise = if let Beside::Foreign(_) = beside { &lines.residual_std } else { &lines.noise_std };

@@ -1,17 +1,27 @@
 //! Time series of the result.
 
-use crate::RunData;
 use crate::contact::ContactHarmonics;
-use frettrace_fourier::{Grid, Harmonics};
+use crate::{RunData, RunLines};
+use frettrace_fourier::{Grid, Harmonics, Sampler};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// When samples are taken, and how well the base frequency is known (rad/s); 0 where lines are bins of the record.
-#[derive(Clone, Copy, Debug)]
+/// When samples are taken, and how well the base frequency is known.
 pub(crate) struct Times {
-    pub(crate) rate: f64,
-    pub(crate) samples: usize,
-    pub(crate) frequency_std: f64,
+    rate: f64,
+    samples: usize,
+    /// Standard deviation of the base frequency (rad/s); 0 where lines are bins of the record.
+    frequency_std: f64,
+    sampler: Sampler,
+}
+
+impl Times {
+    /// Times of the record of some lines, for harmonics like the given ones.
+    pub(crate) fn new(lines: &RunLines, frequency_std: f64, like: &Harmonics) -> Self {
+        let record = (lines.sampling_rate, lines.samples);
+        let sampler = Sampler::new(like.base, like.order(), record);
+        Self { rate: record.0, samples: record.1, frequency_std, sampler }
+    }
 }
 
 /// A time series with its standard deviation, one value a sample.
@@ -30,27 +40,27 @@ impl Channel {
     /// times. Errors that lines share, `g_p(t)`, add `Σ_p g_p(t)²`. An error of the base frequency turns the signal about the
     /// middle of the record: `δx(t) = δΩ/Ω · (t − T/2) ẋ(t)`.
     pub(crate) fn from_harmonics(harmonics: &Harmonics, shared: &[Vec<Complex64>], times: &Times) -> Self {
-        let Times { rate, samples, frequency_std } = *times;
+        let Times { rate, samples, frequency_std, ref sampler } = *times;
+        let values = sampler.sample(&harmonics.coefficients);
         let total = 0.5 * harmonics.variance.iter().sum::<f64>();
         // The lines of a record that has no period are its own bins.
         let own = (harmonics.base * samples as f64 - TAU * rate).abs() < 1e-9 * TAU * rate;
         let grid = own.then_some(samples);
         let (variance, breathing) = split(total, shared, grid);
+        let mut std = vec![variance; samples];
+        add_over_periods(&breathing, harmonics.base / (TAU * rate), &mut std);
         let turn = if harmonics.base > 0.0 { frequency_std / harmonics.base } else { 0.0 };
         let middle = 0.5 * (samples as f64 - 1.0) / rate;
         let derivative = harmonics.derivative();
         // At the ends of the record, where the turn matters most.
-        let turned = (turn * middle * derivative.rms()).powi(2);
-        let slope =
-            if turned > NEGLIGIBLE * total { derivative.sample(rate, samples) } else { vec![0.0; samples] };
-        let std = (0..samples)
-            .map(|j| {
-                let t = j as f64 / rate;
-                let drift = turn * (t - middle) * slope[j];
-                (variance + at_phase(&breathing, harmonics.base * t) + drift * drift).sqrt()
-            })
-            .collect();
-        Self { values: harmonics.sample(rate, samples), std }
+        if (turn * middle * derivative.rms()).powi(2) > NEGLIGIBLE * total {
+            let slope = sampler.sample(&derivative.coefficients);
+            for (j, (variance, slope)) in std.iter_mut().zip(slope).enumerate() {
+                *variance += (turn * (j as f64 / rate - middle) * slope).powi(2);
+            }
+        }
+        std.iter_mut().for_each(|variance| *variance = variance.sqrt());
+        Self { values, std }
     }
 
     /// The same with what is independent of it added.
@@ -133,14 +143,19 @@ fn split(total: f64, shared: &[Vec<Complex64>], places: Option<usize>) -> (f64, 
     (left.max(0.0), sum)
 }
 
-/// Value of samples over one period at a phase (rad), linear between them; 0 without samples.
-fn at_phase(samples: &[f64], phase: f64) -> f64 {
-    if samples.len() < 2 {
-        return 0.0;
+/// Adds samples over one period, linear between them, to samples that advance by so many periods each; nothing where there are none.
+fn add_over_periods(period: &[f64], advance: f64, to: &mut [f64]) {
+    let count = period.len();
+    if count < 2 {
+        return;
     }
-    let place = (phase / TAU).rem_euclid(1.0) * samples.len() as f64;
-    let (first, share) = (place as usize % samples.len(), place.fract());
-    samples[first] * (1.0 - share) + samples[(first + 1) % samples.len()] * share
+    let step = advance * count as f64;
+    for (j, value) in to.iter_mut().enumerate() {
+        let place = j as f64 * step;
+        let (first, share) = (place as usize % count, place.fract());
+        let next = if first + 1 == count { 0 } else { first + 1 };
+        *value += period[first] * (1.0 - share) + period[next] * share;
+    }
 }
 
 /// Relative root mean square of measured less fitted acceleration over all sensors, means removed; and of noise alone.

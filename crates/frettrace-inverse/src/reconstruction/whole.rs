@@ -19,7 +19,7 @@ pub(super) fn solve(
 ) -> (RunBalance, Vec<Load>) {
     let lines = equations.lines;
     let balance = |loads: &[Load]| {
-        let periodic = setting.balance(&Equations::new(lines, loads.to_vec()));
+        let periodic = setting.balance(&equations.with_loads(loads.to_vec()));
         let known = Known::solved(lines, &periodic.contact);
         let left = known.taken_off(run, &lines.noise_std);
         aperiodic::solve(setting, &left, (&known, equations.share), loads)
