@@ -10,7 +10,6 @@ pub mod compare_splines;
 mod compare_two_bodies;
 mod explained_contacts;
 mod measured_contacts;
-mod practice;
 mod roller_beam;
 mod validate_finite_element_rig;
 mod verify_beam_modes;

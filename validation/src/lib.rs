@@ -8,5 +8,6 @@ pub mod architecture;
 pub mod baseline;
 pub mod case;
 pub mod cases;
+pub mod practice;
 pub mod report;
 pub mod sweep;

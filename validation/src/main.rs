@@ -14,7 +14,8 @@ use validation::sweep::{self, made::make, plan, tables};
 use validation::{
     baseline,
     case::{Outcome, Row},
-    cases, report,
+    cases::{self, verify_reconstruction_bands::Motion},
+    report,
 };
 
 /// How far to trust frettrace: all cases, REPORT.md and the comparison with the stored results
@@ -38,6 +39,9 @@ enum Table {
         /// Seed of the first
         #[arg(long, default_value_t = 0)]
         first: u64,
+        /// Records without a period
+        #[arg(long)]
+        wandering: bool,
     },
     /// The hypotheses of the modes
     Hypotheses,
@@ -137,7 +141,10 @@ fn main() -> anyhow::Result<ExitCode> {
 
 fn run_table(table: &Table) -> anyhow::Result<String> {
     match table {
-        Table::Bands { rigs, first } => cases::verify_reconstruction_bands::table(*first..first + rigs),
+        Table::Bands { rigs, first, wandering } => {
+            let motion = if *wandering { Motion::Wandering } else { Motion::Periodic };
+            cases::verify_reconstruction_bands::table(*first..first + rigs, motion)
+        }
         Table::Hypotheses => cases::verify_mode_hypotheses::table(),
         Table::Splines => cases::compare_splines::table(),
         Table::Sweep(extent) => {

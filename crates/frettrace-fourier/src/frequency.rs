@@ -1,6 +1,6 @@
 //! The base frequency, from the record itself.
 
-use crate::phasors::Phasors;
+use crate::sums::dot;
 use crate::{Lines, ProjectionError, Projector};
 use num_complex::Complex64;
 
@@ -47,28 +47,21 @@ pub fn refine(lines: Lines, channels: &[&[f64]]) -> Result<Frequency, Projection
 
 fn step(lines: Lines, channels: &[&[f64]]) -> Result<(f64, f64), ProjectionError> {
     let projector = Projector::new(lines)?;
-    let phasors = Phasors::new(lines.base / lines.sampling_rate, lines.order, lines.samples);
-    let mut velocity = vec![0.0; lines.samples];
+    let middle = 0.5 * (lines.samples - 1) as f64;
+    let times: Vec<f64> = (0..lines.samples).map(|j| (j as f64 - middle) / lines.sampling_rate).collect();
     let (mut slope, mut curvature) = (0.0, 0.0);
     for channel in channels {
-        let fit = projector.project(channel)?;
-        let variance = fit.residual_std.powi(2);
+        let fit = projector.fit(channel)?;
+        let variance = fit.variance();
         if variance <= f64::MIN_POSITIVE {
             continue;
         }
-        let turned: Vec<Complex64> = fit
-            .harmonics
-            .coefficients
-            .iter()
-            .enumerate()
-            .map(|(h, x)| x * Complex64::new(0.0, h as f64))
-            .collect();
-        phasors.synthesise(&turned, &mut velocity);
-        for (j, (v, r)) in velocity.iter().zip(&fit.residual).enumerate() {
-            let t = (j as f64 - 0.5 * (lines.samples - 1) as f64) / lines.sampling_rate;
-            slope += t * v * r / variance;
-            curvature += (t * v).powi(2) / variance;
-        }
+        let lines = fit.coefficients.iter().enumerate();
+        let turned: Vec<Complex64> = lines.map(|(h, x)| x * Complex64::new(0.0, h as f64)).collect();
+        let mut moved = projector.synthesise(&turned);
+        moved.iter_mut().zip(&times).for_each(|(v, t)| *v *= t);
+        slope += dot(&moved, &fit.residual) / variance;
+        curvature += dot(&moved, &moved) / variance;
     }
     Ok((slope, curvature))
 }

@@ -1,7 +1,6 @@
 //! A periodic signal as its complex half spectrum.
 
-use crate::Grid;
-use crate::phasors::Phasors;
+use crate::Sampler;
 use num_complex::Complex64;
 
 /// Complex half spectrum of a real periodic signal, `x(t) = Re Σ_{h=0..H} x̂_h e^{ihΩt}`, with the variance of each line.
@@ -46,25 +45,7 @@ impl Harmonics {
     /// Values at `samples` equidistant times `j/sampling_rate`, `j = 0, 1, …`.
     #[must_use]
     pub fn sample(&self, sampling_rate: f64, samples: usize) -> Vec<f64> {
-        if let Some(values) = self.sample_bins(sampling_rate, samples) {
-            return values;
-        }
-        let phasors = Phasors::new(self.base / sampling_rate, self.order(), samples);
-        let mut values = vec![0.0; samples];
-        phasors.synthesise(&self.coefficients, &mut values);
-        values
-    }
-
-    /// The same by one Fourier transform where the lines are the bins of the record.
-    fn sample_bins(&self, sampling_rate: f64, samples: usize) -> Option<Vec<f64>> {
-        let periods = self.base * samples as f64 / (sampling_rate * std::f64::consts::TAU);
-        if (periods - 1.0).abs() > 1e-12 {
-            return None;
-        }
-        let grid = Grid::new(self.order(), samples).ok()?;
-        let mut values = vec![0.0; samples];
-        grid.evaluate(&self.coefficients, &mut values, &mut grid.scratch());
-        Some(values)
+        Sampler::new(self.base, self.order(), (sampling_rate, samples)).sample(&self.coefficients)
     }
 
     /// Time derivative: line `h` times `ihΩ`, its variance times `(hΩ)²`.

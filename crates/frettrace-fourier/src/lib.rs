@@ -16,6 +16,7 @@
 //! | [`Harmonics`] | a periodic signal, with the variance of each line |
 //! | [`Projector`] | whole records to harmonics, by least squares: no integer number of periods is needed |
 //! | [`refine`] | the base frequency from the record itself |
+//! | [`Sampler`] | samples of many harmonics of one base frequency |
 //! | [`Grid`] | samples of one period to harmonics and back |
 
 mod frequency;
@@ -24,9 +25,12 @@ mod harmonics;
 mod noise;
 mod phasors;
 mod projection;
+mod sampler;
+mod sums;
 
 pub use frequency::{Frequency, refine};
 pub use grid::{Grid, GridError, GridScratch};
 pub use harmonics::Harmonics;
 pub use noise::{spectrum, tapered_spectrum};
 pub use projection::{Lines, Projected, ProjectionError, Projector};
+pub use sampler::Sampler;

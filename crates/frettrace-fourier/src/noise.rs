@@ -10,17 +10,15 @@ const FEWEST_BINS: usize = 128;
 
 /// Variance `σ²` of white noise that would leave the residual's power near each line `0..=H`.
 ///
-/// The periodogram of the residual is averaged over the bins around the line (at least [`FEWEST_BINS`], at least one base
+/// The periodogram `power` of the residual is averaged over the bins around the line (at least [`FEWEST_BINS`], at least one base
 /// frequency to each side) and corrected for the share that the fitted lines took away.
-pub(crate) fn line_noise(residual: &[f64], lines: &Lines) -> Vec<f64> {
-    let n = residual.len();
-    let power = periodogram(residual);
+pub(crate) fn line_noise(power: &[f64], lines: &Lines) -> Vec<f64> {
     let bins = power.len();
     let mut sums = vec![0.0; bins + 1];
     for (i, p) in power.iter().enumerate() {
         sums[i + 1] = sums[i] + p;
     }
-    let spacing = lines.base / std::f64::consts::TAU / lines.sampling_rate * n as f64;
+    let spacing = lines.base / std::f64::consts::TAU / lines.sampling_rate * lines.samples as f64;
     let half = (spacing.ceil() as usize).max(FEWEST_BINS / 2);
     let kept = (1.0 - 1.0 / spacing.max(1.0)).max(0.05);
     (0..=lines.order)
@@ -34,7 +32,7 @@ pub(crate) fn line_noise(residual: &[f64], lines: &Lines) -> Vec<f64> {
 }
 
 /// `|X_k|²/n` of the bins `0..=n/2`: the mean of it is the variance of white noise.
-fn periodogram(x: &[f64]) -> Vec<f64> {
+pub(crate) fn periodogram(x: &[f64]) -> Vec<f64> {
     let spectrum = spectrum(x);
     let scale = 1.0 / x.len() as f64;
     spectrum.iter().map(|z| z.norm_sqr() * scale).collect()

@@ -36,11 +36,16 @@ impl Phasors {
 
     /// `X_h = Σ_j x_j e^{−ihθj}` for all lines.
     pub(crate) fn transform(&self, x: &[f64]) -> Vec<Complex64> {
-        let mut samples = x.to_vec();
-        samples.resize(x.len().div_ceil(BLOCK) * BLOCK, 0.0);
         let mut sums = vec![Complex64::ZERO; self.lines];
-        let mut blocks = vec![0.0; samples.len() / BLOCK * 2 * self.lines];
-        product(self.inner(), blocks_of(&samples, BLOCK), &mut blocks);
+        let mut blocks = vec![0.0; x.len().div_ceil(BLOCK) * 2 * self.lines];
+        let whole = x.len() / BLOCK * BLOCK;
+        let (first, last) = blocks.split_at_mut(whole / BLOCK * 2 * self.lines);
+        product(self.inner(), blocks_of(&x[..whole], BLOCK), first);
+        if !last.is_empty() {
+            let mut rest = [0.0; BLOCK];
+            rest[..x.len() - whole].copy_from_slice(&x[whole..]);
+            product(self.inner(), blocks_of(&rest, BLOCK), last);
+        }
         for (block, turn) in blocks.chunks(2 * self.lines).zip(self.outer.chunks(self.lines)) {
             let (cosine, sine) = block.split_at(self.lines);
             for (((sum, c), s), z) in sums.iter_mut().zip(cosine).zip(sine).zip(turn) {
@@ -50,9 +55,9 @@ impl Phasors {
         sums
     }
 
-    /// `x_j = Re Σ_h X_h e^{ihθj}`; coefficients beyond the lines of the table are left out.
-    pub(crate) fn synthesise(&self, coefficients: &[Complex64], x: &mut [f64]) {
-        let count = x.len().div_ceil(BLOCK);
+    /// `x_j = Re Σ_h X_h e^{ihθj}` for so many samples; coefficients beyond the lines of the table are left out.
+    pub(crate) fn synthesise(&self, coefficients: &[Complex64], samples: usize) -> Vec<f64> {
+        let count = samples.div_ceil(BLOCK);
         let mut turned = vec![0.0; count * 2 * self.lines];
         for (turned, turn) in turned.chunks_mut(2 * self.lines).zip(self.outer.chunks(self.lines)) {
             let (cosine, sine) = turned.split_at_mut(self.lines);
@@ -61,9 +66,10 @@ impl Phasors {
                 (*c, *s) = (here.re, -here.im);
             }
         }
-        let mut samples = vec![0.0; count * BLOCK];
-        product(self.inner().transpose(), blocks_of(&turned, 2 * self.lines), &mut samples);
-        x.copy_from_slice(&samples[..x.len()]);
+        let mut x = vec![0.0; count * BLOCK];
+        product(self.inner().transpose(), blocks_of(&turned, 2 * self.lines), &mut x);
+        x.truncate(samples);
+        x
     }
 
     /// The phasors within a block: cosines and sines of all lines, a column each sample.
@@ -111,8 +117,7 @@ mod tests {
                 x.iter().enumerate().map(|(j, v)| v * Complex64::cis(-theta * (h * j) as f64)).sum();
             assert!((sum - plain).norm() < 1e-11, "line {h}");
         }
-        let mut back = vec![0.0; n];
-        phasors.synthesise(&sums, &mut back);
+        let back = phasors.synthesise(&sums, n);
         for (j, value) in back.iter().enumerate() {
             let plain: f64 =
                 sums.iter().enumerate().map(|(h, c)| (c * Complex64::cis(theta * (h * j) as f64)).re).sum();

@@ -1,9 +1,11 @@
 //! Least-squares projection of whole records on the lines of a base frequency.
 
 use crate::phasors::Phasors;
+use crate::sums::dot;
 use crate::{Harmonics, noise};
+use faer::linalg::triangular_inverse::invert_lower_triangular;
 use faer::prelude::Solve;
-use faer::{Mat, Side};
+use faer::{Mat, Par, Side};
 use num_complex::Complex64;
 
 /// Why a record cannot be projected.
@@ -60,6 +62,8 @@ pub struct Projected {
     pub residual: Vec<f64>,
     /// Standard deviation of the residual, corrected for the unknowns.
     pub residual_std: f64,
+    /// Periodogram `|R_k|²/n` of the residual, bins `0..=n/2`: that of white noise has its variance for a mean.
+    pub periodogram: Vec<f64>,
 }
 
 /// Projection by least squares: the record need not hold an integer number of periods.
@@ -92,8 +96,7 @@ impl Projector {
         let unresolved =
             || ProjectionError::Unresolved { periods: theta * lines.samples as f64 / std::f64::consts::TAU };
         let factor = normal.llt(Side::Lower).map_err(|_| unresolved())?;
-        let inverse = factor.solve(Mat::<f64>::identity(unknowns, unknowns));
-        let inverse_diagonal: Vec<f64> = (0..unknowns).map(|i| inverse[(i, i)]).collect();
+        let inverse_diagonal = inverse_diagonal(&factor);
         // A well-posed line has the variance 2σ²/n; a hundred times that means neighbours are told apart by noise.
         if inverse_diagonal.iter().take(2 * lines.order + 1).any(|v| *v > 200.0 / lines.samples as f64) {
             return Err(unresolved());
@@ -112,7 +115,25 @@ impl Projector {
     /// # Errors
     /// [`ProjectionError::Length`] when the channel has another number of samples than the record.
     pub fn project(&self, x: &[f64]) -> Result<Projected, ProjectionError> {
-        let Lines { order, samples, base, .. } = self.lines;
+        let Lines { order, base, .. } = self.lines;
+        let fit = self.fit(x)?;
+        let residual_std = fit.variance().sqrt();
+        let periodogram = noise::periodogram(&fit.residual);
+        let floor = noise::line_noise(&periodogram, &self.lines);
+        let variance = (0..=order)
+            .map(|h| {
+                let imaginary = if h == 0 { 0.0 } else { self.inverse_diagonal[order + h] };
+                floor[h] * (self.inverse_diagonal[h] + imaginary)
+            })
+            .collect();
+        let Fit { coefficients, drift, residual, .. } = fit;
+        let harmonics = Harmonics { base, coefficients, variance };
+        Ok(Projected { harmonics, drift, residual, residual_std, periodogram })
+    }
+
+    /// The fit alone: no word of the noise.
+    pub(crate) fn fit(&self, x: &[f64]) -> Result<Fit, ProjectionError> {
+        let Lines { order, samples, .. } = self.lines;
         if x.len() != samples {
             return Err(ProjectionError::Length { given: x.len(), samples });
         }
@@ -121,18 +142,17 @@ impl Projector {
             .map(|h| Complex64::new(solution[h], if h == 0 { 0.0 } else { -solution[order + h] }))
             .collect();
         let drift: Vec<f64> = (2 * order + 1..solution.nrows()).map(|i| solution[i]).collect();
-        let residual = self.residual(x, &coefficients, &drift);
-        let left = (samples - solution.nrows()) as f64;
-        let residual_std = (residual.iter().map(|r| r * r).sum::<f64>() / left).sqrt();
-        let floor = noise::line_noise(&residual, &self.lines);
-        let variance = (0..=order)
-            .map(|h| {
-                let imaginary = if h == 0 { 0.0 } else { self.inverse_diagonal[order + h] };
-                floor[h] * (self.inverse_diagonal[h] + imaginary)
-            })
-            .collect();
-        let harmonics = Harmonics { base, coefficients, variance };
-        Ok(Projected { harmonics, drift, residual, residual_std })
+        let mut residual = self.synthesise(&coefficients);
+        residual.iter_mut().zip(x).for_each(|(fit, x)| *fit = x - *fit);
+        for (polynomial, c) in self.polynomials.iter().zip(&drift) {
+            residual.iter_mut().zip(polynomial).for_each(|(r, p)| *r -= c * p);
+        }
+        Ok(Fit { coefficients, drift, residual, left: samples - solution.nrows() })
+    }
+
+    /// Samples of coefficients on the lines (`n`).
+    pub(crate) fn synthesise(&self, coefficients: &[Complex64]) -> Vec<f64> {
+        self.phasors.synthesise(coefficients, self.lines.samples)
     }
 
     /// The drift `Σ c_k P_k` of given coefficients on the samples (`n`).
@@ -154,12 +174,31 @@ impl Projector {
             i => self.polynomials[i - 2 * order - 1].iter().zip(x).map(|(p, v)| p * v).sum(),
         })
     }
+}
 
-    fn residual(&self, x: &[f64], coefficients: &[Complex64], drift: &[f64]) -> Vec<f64> {
-        let mut fit = vec![0.0; x.len()];
-        self.phasors.synthesise(coefficients, &mut fit);
-        x.iter().zip(&fit).zip(self.drift(drift)).map(|((v, f), d)| v - f - d).collect()
+/// Coefficients of the lines and of the drift, and what they leave.
+pub(crate) struct Fit {
+    pub(crate) coefficients: Vec<Complex64>,
+    drift: Vec<f64>,
+    pub(crate) residual: Vec<f64>,
+    /// Degrees of freedom of the residual.
+    left: usize,
+}
+
+impl Fit {
+    /// Variance of the residual, corrected for the unknowns.
+    pub(crate) fn variance(&self) -> f64 {
+        dot(&self.residual, &self.residual) / self.left as f64
     }
+}
+
+/// Diagonal of `(LLᵀ)⁻¹`: squares of the columns of `L⁻¹`.
+fn inverse_diagonal(factor: &faer::linalg::solvers::Llt<f64>) -> Vec<f64> {
+    let n = factor.L().nrows();
+    let mut inverse = Mat::<f64>::zeros(n, n);
+    invert_lower_triangular(inverse.as_mut(), factor.L(), Par::Seq);
+    let square = |i: usize| (i..n).map(|k| inverse[(k, i)].powi(2)).sum();
+    (0..n).map(square).collect()
 }
 
 /// Legendre polynomials `P_1 … P_degree` on the samples, by Bonnet's recursion.

@@ -1,7 +1,9 @@
 //! From the samples of a run to its lines: base frequency, form and projection.
 
+pub(crate) mod bands;
 mod form;
 
+use crate::aperiodic::Left;
 use crate::{FormChoice, InverseError, RunData, Sensor};
 use form::Subharmonics;
 use frettrace_fourier::{Frequency, Harmonics, Lines, Projected, Projector, refine, spectrum};
@@ -46,6 +48,8 @@ pub struct RunLines {
     pub noise_std: Vec<f64>,
     /// Share of the accelerations' power beyond the noise that no line holds.
     pub aperiodic_share: f64,
+    /// What the lines of a periodic run leave, where it is more than noise.
+    pub(crate) rest: Option<Left>,
 }
 
 /// Lines of the first refinement over all channels: enough for the frequency, few enough to be quick.
@@ -58,6 +62,10 @@ const APERIODIC_SHARE: f64 = 1e-3;
 const CONSPICUOUS_SHARE: f64 = 1e-5;
 /// Power outside the lines over the power of the noise.
 const STANDS_OUT: f64 = 30.0;
+
+/// Share of what the harmonic form leaves that a subharmonic one may leave: a motion that has its period leaves none, and one that only
+/// has much of its power near such lines is not periodic.
+const SUBHARMONIC_LEFT: f64 = 0.05;
 
 /// The highest line is kept this share below half the sampling rate.
 const BAND: f64 = 0.98;
@@ -79,7 +87,7 @@ pub fn analyse(run: &RunData<'_>, sensors: &[Sensor], choice: FormChoice) -> Res
         if let Some(candidate) = search.best(&residuals, forced) {
             let tried = Projection::new(run, base, candidate);
             if let Ok(tried) = tried
-                && (forced || excess(&tried, &noise_std) < 0.2 * excess(&found, &noise_std))
+                && (forced || excess(&tried, &noise_std) < SUBHARMONIC_LEFT * excess(&found, &noise_std))
             {
                 (found, order) = (tried, candidate);
             }
@@ -96,7 +104,8 @@ pub fn analyse(run: &RunData<'_>, sensors: &[Sensor], choice: FormChoice) -> Res
         (_, 1) => Form::Harmonic,
         _ => Form::Subharmonic,
     };
-    Ok(found.finish(run, Found { form, order, noise_std, share, base }))
+    let is_asked = choice == FormChoice::Auto;
+    Ok(found.finish(run, Found { form, order, noise_std, share, base, is_asked }))
 }
 
 struct Found {
@@ -105,6 +114,8 @@ struct Found {
     noise_std: Vec<f64>,
     share: f64,
     base: Frequency,
+    /// Whether the form was found rather than told: what the wrong one leaves must stay visible.
+    is_asked: bool,
 }
 
 /// All channels of a run on the lines of one base frequency.
@@ -131,7 +142,21 @@ impl Projection {
         Ok(Self { force: projector.project(run.force)?, accelerations })
     }
 
+    /// What the lines leave, where it is more than noise.
+    fn rest(&self, run: &RunData<'_>, found: &Found) -> Option<Left> {
+        let powers: Vec<&[f64]> = self.accelerations.iter().map(|p| p.periodogram.as_slice()).collect();
+        let asked = found.is_asked && found.form != Form::Aperiodic;
+        let is_noise = bands::excesses(&powers, &found.noise_std).iter().all(|band| !band.is_conspicuous());
+        (asked && !is_noise).then(|| Left {
+            force: self.force.residual.clone(),
+            accelerations: self.accelerations.iter().map(|p| p.residual.clone()).collect(),
+            noise_std: found.noise_std.clone(),
+            rate: run.sampling_rate,
+        })
+    }
+
     fn finish(self, run: &RunData<'_>, found: Found) -> RunLines {
+        let rest = self.rest(run, &found);
         let residual_std = self.accelerations.iter().map(|p| p.residual_std).collect();
         let accelerations = self
             .accelerations
@@ -153,6 +178,7 @@ impl Projection {
             residual_std,
             noise_std: found.noise_std,
             aperiodic_share: found.share,
+            rest,
         }
     }
 }
@@ -208,7 +234,7 @@ fn noise(sensors: &[Sensor], projection: &Projection) -> Vec<f64> {
     sensors
         .iter()
         .zip(&projection.accelerations)
-        .map(|(sensor, projected)| sensor.noise_std.unwrap_or_else(|| form::floor(&projected.residual)))
+        .map(|(sensor, projected)| sensor.noise_std.unwrap_or_else(|| form::floor(&projected.periodogram)))
         .collect()
 }
 

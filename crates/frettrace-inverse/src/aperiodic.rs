@@ -6,46 +6,48 @@
 //! told apart; a prior on the contact force does it, whose power at each bin is drawn from the record (tapered at first,
 //! then the estimate itself: empirical Bayes).
 //!
-//! A force that is continued periodically jumps at the ends of the record, and modes above the band answer the jump. What the
-//! lines of the excitation hold ([`Known`]) is therefore taken off first, with its response at its own frequencies, where
-//! nothing jumps; only what is left is balanced bin by bin, and its prior is the smaller the nearer a run is to a period. The
-//! contact force that is left may be continued as it likes, for its straight line and parabola make no acceleration.
+//! A force that is continued periodically jumps at the ends of the record, in its value and its slope, and the structure answers no
+//! such jump: neither a straight line nor a parabola makes an acceleration that changes. Of the force's bins `f_k` the structure answers
+//! `f_k − Σ_q J_q r_qk`, with the bins of a ramp and a parabola; that the force holds no more below its own frequencies than the prior
+//! says tells the jumps: two more common unknowns a load ([`Jump`]). Without them what the modes beyond the band would make of a jump is
+//! taken for a slow force.
+//! What the lines of the excitation hold ([`Known`]) is taken off first, with its response at its own frequencies, where
+//! nothing jumps; only what is left is balanced bin by bin, and its prior is the smaller the nearer a run is to a period.
 //!
-//! A drift of contact force and slip that is slower than the record leaves accelerations below the noise. It is taken out
-//! as a polynomial and named unobservable; the bands hold what the prior gives it.
+//! A drift of contact force and slip that is slower than the record leaves accelerations below the noise. What the balance says of it
+//! is weighed against what a random walk would do ([`drift`]); it is named unobservable, and the bands hold what is left.
 
+mod bins;
 mod drift;
+mod ends;
 mod known;
 mod outcome;
-mod transient;
+mod power;
+mod sources;
+mod structure;
 
-use crate::balance::{LineBalance, LineData};
 use crate::contact::{RunBalance, Setting};
-use crate::dynamics::{LineReceptances, Load};
-use crate::{RunData, RunLines};
+use crate::dynamics::Load;
+use bins::{Amplitudes, Bin, Solved};
+use ends::{Decays, JUMPS, Jump, Record};
 use faer::prelude::Solve;
 use faer::{Col, Mat, Side};
-use frettrace_fourier::{spectrum, tapered_spectrum};
-pub(crate) use known::Known;
+use frettrace_fourier::tapered_spectrum;
+pub(crate) use known::{Known, Left};
 use num_complex::Complex64;
+use power::{FROM_FEW, smoothed};
 use rayon::prelude::*;
+use sources::Slow;
 use std::f64::consts::TAU;
-use transient::Transients;
 
 /// Rounds of empirical Bayes; the estimate settles in two or three.
 const ROUNDS: usize = 4;
-/// Half width, in bins, of the average that makes the prior.
-const SMOOTHING: usize = 4;
 /// Bins whose normal equations are added up together.
 const PART: usize = 64;
-
-/// One bin.
-struct Bin {
-    line: LineReceptances,
-    data: LineData,
-    /// Variance (N²) of each force without prior.
-    variances: Vec<f64>,
-}
+/// How powers rise towards zero frequency: as `1/k` for the estimate, between a level and a random walk, neither of which is known; as the
+/// walk for the bands.
+const ESTIMATED: i32 = 1;
+const ALLOWED: i32 = 2;
 
 /// The balance of a run over its whole spectrum.
 pub(crate) struct Whole<'a> {
@@ -53,77 +55,70 @@ pub(crate) struct Whole<'a> {
     loads: &'a [Load],
     known: &'a Known,
     bins: Vec<Bin>,
-    transients: Transients,
+    record: Record,
+    decays: Decays,
+    /// Polynomials that jump where the record ends.
+    ramps: [Vec<Complex64>; JUMPS],
+    /// What forces of each load make that are slower than every mode.
+    slow: Vec<Slow>,
     base: f64,
-    samples: usize,
 }
 
-/// What one round knows: prior powers of the forces (one vector a load), the balance of each bin under them, the amplitudes
-/// of the free decays and the forces.
+/// What one round knows: prior powers of the forces (one vector a load), the balance of each bin under them, the common unknowns
+/// (two decays a mode, a jump a load) and their covariance.
 struct Round {
     priors: Vec<Vec<f64>>,
-    balances: Vec<LineBalance>,
-    amplitudes: Vec<f64>,
+    jumps: Vec<Jump>,
+    solved: Vec<Solved>,
+    common: Vec<f64>,
     covariance: Mat<f64>,
-    forces: Vec<Vec<Complex64>>,
 }
 
-/// Solves a run without assuming a period; `known` is what is taken off first and put back at the end.
+/// Solves a run without assuming a period: what is left of its samples when what is known is taken off, which is put back at the end.
+/// `doubt` is the share of the accelerations that the structure itself may be wrong by.
 pub(crate) fn solve(
     setting: &Setting<'_>,
-    run: &RunData<'_>,
-    (lines, known): (&RunLines, &Known),
+    left: &Left,
+    (known, doubt): (&Known, f64),
     loads: &[Load],
 ) -> RunBalance {
-    let left = known.taken_off(run);
-    let whole = Whole::new(setting, &left, (lines, known), loads);
-    let mut round = whole.round(whole.tapered_priors(&left));
+    let whole = Whole::new(setting, left, (known, doubt), loads);
+    let mut round = whole.round(whole.tapered_priors(left));
     for _ in 1..ROUNDS {
-        let priors = whole.updated_priors(&round);
-        round = whole.round(priors);
+        round = whole.round(whole.updated_priors(&round, ESTIMATED));
     }
-    whole.outcome(&round)
-}
-
-/// Samples of a run: force, then accelerations.
-pub(super) struct Left {
-    force: Vec<f64>,
-    accelerations: Vec<Vec<f64>>,
-    rate: f64,
+    let mut allowed = whole.updated_priors(&round, ALLOWED);
+    allowed.iter_mut().flatten().for_each(|power| *power *= FROM_FEW);
+    let allowed = whole.round(allowed);
+    whole.outcome(&round, &allowed)
 }
 
 impl<'a> Whole<'a> {
     fn new(
         setting: &'a Setting<'a>,
         left: &Left,
-        (lines, known): (&RunLines, &'a Known),
+        (known, doubt): (&'a Known, f64),
         loads: &'a [Load],
     ) -> Self {
-        let samples = left.force.len();
-        let base = TAU * left.rate / samples as f64;
-        let order = (samples - 1) / 2;
-        let scale = 2.0 / samples as f64;
-        let force = spectrum(&left.force);
-        let accelerations: Vec<_> = left.accelerations.iter().map(|a| spectrum(a)).collect();
-        let variances: Vec<f64> = lines.noise_std.iter().map(|s| 2.0 * scale * s * s).collect();
-        let free = vec![f64::INFINITY; loads.len()];
-        let bins = (1..=order)
+        let model = &setting.structure.model;
+        let record = Record::new(model, left.rate, left.force.len());
+        let base = TAU * left.rate / record.samples as f64;
+        let force = record.amplitudes(&left.force);
+        let accelerations: Vec<_> = left.accelerations.iter().map(|a| record.amplitudes(a)).collect();
+        let noise: Vec<f64> = left.noise_std.iter().map(|s| 4.0 / record.samples as f64 * s * s).collect();
+        let bins = (0..record.order)
             .into_par_iter()
             .map(|k| {
-                let mut line = LineReceptances::default();
-                setting.dynamics.fill(&setting.structure.model, base * k as f64, &mut line);
-                let data = LineData {
-                    force: force[k] * scale,
-                    force_variance: 0.0,
-                    accelerations: accelerations.iter().map(|a| a[k] * scale).collect(),
-                    variances: variances.clone(),
-                };
-                let plain = LineBalance::solve(&line, &data, loads, &free);
-                Bin { variances: diagonal(&plain), line, data }
+                let here: Vec<Complex64> = accelerations.iter().map(|a| a[k]).collect();
+                let variances: Vec<f64> =
+                    noise.iter().zip(&here).map(|(v, a)| v + doubt * a.norm_sqr()).collect();
+                let at = Amplitudes { exciter: force[k], accelerations: &here, variances: &variances };
+                Bin::new(setting, loads, (base * (k as f64 + 1.0), record.modes), &at)
             })
             .collect();
-        let transients = Transients::new(&setting.structure.model, left.rate, samples, order);
-        Self { setting, loads, known, bins, transients, base, samples }
+        let decays = Decays::new(model, &record);
+        let (ramps, slow) = (ends::ramps(&record), Slow::all(setting, loads, base));
+        Self { setting, loads, known, bins, record, decays, ramps, slow, base }
     }
 
     /// Powers of the contact forces of the tapered record: a taper forgets the states at the ends.
@@ -131,85 +126,55 @@ impl<'a> Whole<'a> {
         let force = tapered_spectrum(&left.force);
         let accelerations: Vec<_> = left.accelerations.iter().map(|a| tapered_spectrum(a)).collect();
         let free = vec![f64::INFINITY; self.loads.len()];
-        let found: Vec<Vec<f64>> = self
-            .bins
-            .par_iter()
-            .enumerate()
-            .map(|(k, bin)| {
-                let data = LineData {
-                    force: force[k + 1],
-                    accelerations: accelerations.iter().map(|a| a[k + 1]).collect(),
-                    ..bin.data.clone()
-                };
-                let forces = LineBalance::solve(&bin.line, &data, self.loads, &free).forces;
-                forces.iter().zip(&bin.variances).map(|(f, v)| (f.norm_sqr() - v).max(0.0)).collect()
-            })
-            .collect();
-        self.smoothed(&found)
+        let powers = |(k, bin): (usize, &Bin)| -> Vec<f64> {
+            let here: Vec<Complex64> = accelerations.iter().map(|a| a[k + 1]).collect();
+            let at = Amplitudes { exciter: force[k + 1], accelerations: &here, variances: &[] };
+            let solved = bin.solve(&free);
+            let forces = bin.free_forces(&at, self.loads, &solved);
+            forces.iter().zip(solved.variances()).map(|(f, v)| (f.norm_sqr() - v).max(0.0)).collect()
+        };
+        let found: Vec<Vec<f64>> = self.bins.par_iter().enumerate().map(powers).collect();
+        self.priors(&found, ESTIMATED)
     }
 
     /// Powers of the estimate: its square and its variance.
-    fn updated_priors(&self, round: &Round) -> Vec<Vec<f64>> {
-        let found: Vec<Vec<f64>> = round
-            .balances
-            .par_iter()
-            .zip(&round.forces)
-            .map(|(balance, forces)| {
-                forces.iter().zip(diagonal(balance)).map(|(f, posterior)| f.norm_sqr() + posterior).collect()
-            })
-            .collect();
-        self.smoothed(&found)
-    }
-
-    /// Averages of powers (one vector a bin) over neighbouring bins, weighted by what the sensors know of each.
-    fn smoothed(&self, powers: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let count = self.bins.len();
-        let weight = |v: f64| if v > 0.0 { v.recip() } else { 0.0 };
-        (0..self.loads.len())
-            .map(|u| {
-                (0..count)
-                    .map(|k| {
-                        let near = k.saturating_sub(SMOOTHING)..(k + SMOOTHING + 1).min(count);
-                        let (sum, total) = near.fold((0.0, 0.0), |(sum, total), i| {
-                            let w = weight(self.bins[i].variances[u]);
-                            (sum + w * powers[i][u], total + w)
-                        });
-                        (sum / total.max(f64::MIN_POSITIVE)).max(f64::MIN_POSITIVE)
-                    })
-                    .collect()
-            })
-            .collect()
-    }
-
-    /// The free decays by least squares over all bins, the contact forces eliminated; then the forces.
-    fn round(&self, priors: Vec<Vec<f64>>) -> Round {
-        let unknowns = self.transients.count();
-        let balances: Vec<LineBalance> =
-            self.bins.par_iter().enumerate().map(|(k, bin)| self.balance(k, bin, &priors)).collect();
-        let (matrix, right) = self.normal_equations(&balances);
-        let normal = Mat::from_fn(unknowns, unknowns, |i, k| {
-            // Rounding of the largest entries may leave a decay that no sensor sees without curvature.
-            matrix[i.min(k) * unknowns + i.max(k)] * if i == k { 1.0 + 1e-12 } else { 1.0 }
-        });
-        let (amplitudes, covariance) = match normal.llt(Side::Lower) {
-            Ok(factor) => {
-                let solved = factor.solve(Col::from_fn(unknowns, |i| right[i]));
-                let inverse = factor.solve(Mat::<f64>::identity(unknowns, unknowns));
-                ((0..unknowns).map(|i| solved[i]).collect(), inverse)
-            }
-            Err(_) => (vec![0.0; unknowns], Mat::zeros(unknowns, unknowns)),
+    fn updated_priors(&self, round: &Round, tilt: i32) -> Vec<Vec<f64>> {
+        let powers = |(k, solved): (usize, &Solved)| -> Vec<f64> {
+            let forces = self.forces(k, round).0;
+            forces.iter().zip(solved.variances()).map(|(f, v)| f.norm_sqr() + v).collect()
         };
-        let forces = balances
-            .par_iter()
-            .enumerate()
-            .map(|(k, balance)| balance.response(&self.unexplained(k, &amplitudes)))
-            .collect();
-        Round { priors, balances, amplitudes, covariance, forces }
+        let found: Vec<Vec<f64>> = round.solved.par_iter().enumerate().map(powers).collect();
+        self.priors(&found, tilt)
     }
 
-    /// Normal matrix (upper triangle, row-major) and right side of the free decays.
-    fn normal_equations(&self, balances: &[LineBalance]) -> (Vec<f64>, Vec<f64>) {
-        let unknowns = self.transients.count();
+    /// Prior powers from powers, one vector a bin.
+    fn priors(&self, powers: &[Vec<f64>], tilt: i32) -> Vec<Vec<f64>> {
+        let smooth = |load: usize| {
+            let powers: Vec<f64> = powers.iter().map(|bin| bin[load]).collect();
+            let variances: Vec<f64> = self.bins.iter().map(|bin| bin.variances[load]).collect();
+            smoothed(&powers, &variances, (tilt, 0))
+        };
+        (0..self.loads.len()).into_par_iter().map(smooth).collect()
+    }
+
+    /// The common unknowns by least squares over all bins, the contact forces eliminated.
+    fn round(&self, priors: Vec<Vec<f64>>) -> Round {
+        let jumps: Vec<Jump> = priors.iter().map(|powers| Jump::new(powers, self.base)).collect();
+        let prior = |k: usize| -> Vec<f64> { priors.iter().map(|p| p[k]).collect() };
+        let solved: Vec<Solved> =
+            self.bins.par_iter().enumerate().map(|(k, bin)| bin.solve(&prior(k))).collect();
+        let (mut matrix, right) = self.normal_equations(&jumps, &solved);
+        let variances = jumps.iter().flat_map(|jump| jump.variances);
+        for (i, variance) in variances.enumerate() {
+            matrix[(self.decays.all.len() + i) * (right.len() + 1)] += variance.recip();
+        }
+        let (common, covariance) = least_squares(&matrix, &right);
+        Round { priors, jumps, solved, common, covariance }
+    }
+
+    /// Normal matrix (upper triangle, row-major) and right side of the common unknowns.
+    fn normal_equations(&self, jumps: &[Jump], solved: &[Solved]) -> (Vec<f64>, Vec<f64>) {
+        let unknowns = self.decays.all.len() + JUMPS * self.loads.len();
         let zero = || (vec![0.0; unknowns * unknowns], vec![0.0; unknowns]);
         let add = |mut a: (Vec<f64>, Vec<f64>), b: (Vec<f64>, Vec<f64>)| {
             a.0.iter_mut().zip(&b.0).for_each(|(x, y)| *x += y);
@@ -217,13 +182,14 @@ impl<'a> Whole<'a> {
             a
         };
         // Parts of one size, added in order: the sum is the same to the last digit however the work is shared out.
-        let parts: Vec<_> = balances
+        let parts: Vec<_> = solved
             .par_chunks(PART)
             .enumerate()
-            .map(|(part, balances)| {
+            .map(|(part, solved)| {
                 let mut sums = zero();
-                for (k, balance) in balances.iter().enumerate() {
-                    self.accumulate(part * PART + k, balance, &mut sums);
+                for (i, solved) in solved.iter().enumerate() {
+                    let k = part * PART + i;
+                    self.accumulate((k, solved), &self.columns(k, jumps), &mut sums);
                 }
                 sums
             })
@@ -231,76 +197,68 @@ impl<'a> Whole<'a> {
         parts.into_iter().fold(zero(), add)
     }
 
-    fn balance(&self, k: usize, bin: &Bin, priors: &[Vec<f64>]) -> LineBalance {
-        let prior: Vec<f64> = priors.iter().map(|p| p[k]).collect();
-        LineBalance::solve(&bin.line, &bin.data, self.loads, &prior)
+    /// The common unknowns in bin `k` (from 0): which of the bin's vectors each moves, and by how much.
+    fn columns(&self, k: usize, jumps: &[Jump]) -> Vec<(usize, Complex64)> {
+        let decays = self.decays.all.iter().enumerate().map(|(i, decay)| (i / 2, decay.acceleration[k]));
+        let jumps = jumps.iter().enumerate().flat_map(|(u, jump)| {
+            self.ramps.iter().map(move |ramp| (self.record.modes + u, -ramp[k] * jump.below(k)))
+        });
+        decays.chain(jumps).collect()
     }
 
-    /// Accelerations of a bin without exciter and free decays.
-    fn unexplained(&self, k: usize, amplitudes: &[f64]) -> Vec<Complex64> {
-        let bin = &self.bins[k];
-        let motion = self.modal(k, amplitudes);
-        let decays = |s: usize| -> Complex64 {
-            motion.iter().enumerate().map(|(n, a)| a * self.setting.dynamics.sensor_shape(n, s)).sum()
-        };
-        (0..bin.data.accelerations.len())
-            .map(|s| {
-                let exciter = bin.line.acceleration(s, Load::Exciter) * bin.data.force;
-                bin.data.accelerations[s] - exciter - decays(s)
-            })
-            .collect()
-    }
-
-    /// Modal accelerations of the free decays in bin `k`; none where there are no amplitudes.
-    fn modal(&self, k: usize, amplitudes: &[f64]) -> Vec<Complex64> {
-        let pairs = amplitudes.chunks_exact(2).enumerate();
-        pairs
-            .map(|(n, c)| {
-                self.transients.acceleration(2 * n, k) * c[0]
-                    + self.transients.acceleration(2 * n + 1, k) * c[1]
-            })
-            .collect()
-    }
-
-    /// Shape of a mode at the sensors.
-    fn shape(&self, mode: usize) -> Vec<Complex64> {
-        let dynamics = self.setting.dynamics;
-        (0..dynamics.sensors()).map(|s| Complex64::from(dynamics.sensor_shape(mode, s))).collect()
-    }
-
-    /// Adds one bin to the normal equations (upper triangle) of the free decays. Both decays of a mode have its shape, so
-    /// that products are formed of shapes, and scaled.
-    fn accumulate(&self, k: usize, balance: &LineBalance, (matrix, right): &mut (Vec<f64>, Vec<f64>)) {
-        let unknowns = right.len();
-        let target = balance.remainder(&self.unexplained(k, &[]));
-        let shapes: Vec<Vec<Complex64>> =
-            (0..unknowns / 2).map(|mode| balance.remainder(&self.shape(mode))).collect();
-        let product =
-            |a: &[Complex64], b: &[Complex64]| a.iter().zip(b).map(|(x, y)| x.conj() * y).sum::<Complex64>();
-        // Twice: a bin's real and imaginary parts have half the variance each.
-        let amplitude = |unknown: usize| self.transients.acceleration(unknown, k) * std::f64::consts::SQRT_2;
-        let twice = std::f64::consts::SQRT_2;
-        for (n, shape) in shapes.iter().enumerate() {
-            let along = product(shape, &target) * twice;
-            for i in [2 * n, 2 * n + 1] {
-                right[i] += (amplitude(i).conj() * along).re;
-            }
-            for (q, other) in shapes.iter().enumerate().skip(n) {
-                let common = product(shape, other);
-                for i in [2 * n, 2 * n + 1] {
-                    let scaled = amplitude(i).conj() * common;
-                    for j in [2 * q, 2 * q + 1] {
-                        matrix[i * unknowns + j] += (scaled * amplitude(j)).re;
-                    }
-                }
+    /// Adds one bin to the normal equations (upper triangle) of the common unknowns.
+    fn accumulate(
+        &self,
+        (k, solved): (usize, &Solved),
+        columns: &[(usize, Complex64)],
+        (matrix, right): &mut (Vec<f64>, Vec<f64>),
+    ) {
+        let (products, along) = self.bins[k].left(solved);
+        let size = along.len();
+        for (i, (a, x)) in columns.iter().enumerate() {
+            // Twice: a bin's real and imaginary parts have half the variance each.
+            let twice = x.conj() * 2.0;
+            right[i] += (twice * along[*a]).re;
+            for (j, (b, y)) in columns.iter().enumerate().skip(i) {
+                matrix[i * columns.len() + j] += (twice * products[a * size + b] * y).re;
             }
         }
     }
+
+    /// Forces of bin `k`: what the prior is for, `h`, and what the structure answers, `h − J r̃`.
+    fn forces(&self, k: usize, round: &Round) -> (Vec<Complex64>, Vec<Complex64>) {
+        let (solved, columns) = (&round.solved[k], self.columns(k, &round.jumps));
+        let taken = |u: usize| -> Complex64 {
+            columns.iter().zip(&round.common).map(|((d, x), c)| solved.taken(u, *d) * x * *c).sum()
+        };
+        let held: Vec<Complex64> = (0..self.loads.len()).map(|u| solved.own[u] - taken(u)).collect();
+        let below = |u: usize| -> Complex64 {
+            let own = self.jump(u, 0)..self.jump(u, JUMPS);
+            own.map(|i| columns[i].1 * round.common[i]).sum()
+        };
+        let answered = held.iter().enumerate().map(|(u, h)| h + below(u)).collect();
+        (held, answered)
+    }
+
+    /// Index of a load's jump among the common unknowns.
+    fn jump(&self, load: usize, order: usize) -> usize {
+        self.decays.all.len() + JUMPS * load + order
+    }
 }
 
-/// Variance of each force.
-fn diagonal(balance: &LineBalance) -> Vec<f64> {
-    let n = balance.forces.len();
-    let covariance = balance.covariance();
-    (0..n).map(|u| covariance[u * n + u].re).collect()
+/// Least squares with the covariance, from the upper triangle of the normal matrix.
+fn least_squares(matrix: &[f64], right: &[f64]) -> (Vec<f64>, Mat<f64>) {
+    let n = right.len();
+    // The unknowns have units of their own.
+    let scale: Vec<f64> = (0..n).map(|i| matrix[i * (n + 1)].max(f64::MIN_POSITIVE).sqrt().recip()).collect();
+    let normal = Mat::from_fn(n, n, |i, k| {
+        let entry = matrix[i.min(k) * n + i.max(k)] * scale[i] * scale[k];
+        // Rounding may leave a decay that no sensor sees without curvature.
+        if i == k { entry * (1.0 + 1e-12) } else { entry }
+    });
+    let Ok(factor) = normal.llt(Side::Lower) else { return (vec![0.0; n], Mat::zeros(n, n)) };
+    let solved = factor.solve(Col::from_fn(n, |i| right[i] * scale[i]));
+    let inverse = factor.solve(Mat::<f64>::identity(n, n));
+    let covariance = Mat::from_fn(n, n, |i, k| inverse[(i, k)] * scale[i] * scale[k]);
+    ((0..n).map(|i| solved[i] * scale[i]).collect(), covariance)
 }

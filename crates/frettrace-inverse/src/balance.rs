@@ -28,9 +28,11 @@ pub struct LineBalance {
     pub residual: Vec<Complex64>,
     /// Whether a force could not be told from the others or is not seen by any sensor.
     pub degenerate: bool,
-    columns: Vec<Vec<Complex64>>,
-    upper: Vec<Vec<Complex64>>,
+    /// The columns of `Q` one after the other, and those of `R`, of as many entries as there are forces.
+    columns: Vec<Complex64>,
+    upper: Vec<Complex64>,
     weights: Vec<f64>,
+    loads: usize,
     sensors: usize,
 }
 
@@ -41,70 +43,89 @@ impl LineBalance {
         let sensors = data.accelerations.len();
         let weights: Vec<f64> =
             data.variances.iter().map(|v| if *v > 0.0 { v.sqrt().recip() } else { 0.0 }).collect();
-        let measured = (0..sensors)
-            .map(|s| weights[s] * (data.accelerations[s] - line.acceleration(s, Load::Exciter) * data.force));
-        let residual = measured.chain(loads.iter().map(|_| Complex64::ZERO)).collect();
-        let mut balance = Self { residual, weights, sensors, ..Self::default() };
+        let rows = sensors + loads.len();
+        let mut residual = Vec::with_capacity(rows);
+        residual.extend((0..sensors).map(|s| {
+            weights[s] * (data.accelerations[s] - line.acceleration(s, Load::Exciter) * data.force)
+        }));
+        residual.resize(rows, Complex64::ZERO);
+        let mut balance = Self {
+            forces: Vec::new(),
+            residual,
+            degenerate: false,
+            columns: Vec::with_capacity(rows * loads.len()),
+            upper: vec![Complex64::ZERO; loads.len() * loads.len()],
+            weights,
+            loads: loads.len(),
+            sensors,
+        };
         for (u, load) in loads.iter().enumerate() {
-            let column = (0..sensors).map(|s| balance.weights[s] * line.acceleration(s, *load));
-            let pinned =
-                (0..loads.len()).map(|i| Complex64::from(if i == u { prior[u].sqrt().recip() } else { 0.0 }));
-            let column = column.chain(pinned).collect();
-            balance.append(column);
+            let weights = &balance.weights;
+            balance.columns.extend((0..sensors).map(|s| weights[s] * line.acceleration(s, *load)));
+            balance.columns.resize(rows * (u + 1), Complex64::ZERO);
+            balance.columns[rows * u + sensors + u] = Complex64::from(prior[u].sqrt().recip());
+            balance.orthogonalise(u);
         }
         balance.back_substitute();
         balance
     }
 
-    /// Gram-Schmidt, twice: enough for orthogonality to rounding.
-    fn append(&mut self, mut column: Vec<Complex64>) {
-        let length = norm(&column);
-        let mut row = vec![Complex64::ZERO; self.columns.len()];
+    /// Column `u` of `Q`.
+    fn column(&self, u: usize) -> &[Complex64] {
+        let rows = self.sensors + self.loads;
+        &self.columns[rows * u..rows * (u + 1)]
+    }
+
+    /// Gram-Schmidt of the last column, twice: enough for orthogonality to rounding.
+    fn orthogonalise(&mut self, u: usize) {
+        let rows = self.sensors + self.loads;
+        let (before, column) = self.columns.split_at_mut(rows * u);
+        let length = norm(column);
+        let row = &mut self.upper[u * self.loads..(u + 1) * self.loads];
         for _ in 0..2 {
-            for (q, r) in self.columns.iter().zip(&mut row) {
-                let along = inner(q, &column);
+            for (q, r) in before.chunks_exact(rows).zip(row.iter_mut()) {
+                let along = inner(q, column);
                 *r += along;
                 column.iter_mut().zip(q).for_each(|(c, q)| *c -= along * q);
             }
         }
-        let left = norm(&column);
+        let left = norm(column);
         let independent = left > INDEPENDENT * length && left > 0.0;
         self.degenerate |= !independent;
         let scale = if independent { left.recip() } else { 0.0 };
         column.iter_mut().for_each(|c| *c *= scale);
-        row.push(Complex64::from(if independent { left } else { 0.0 }));
-        self.upper.push(row);
-        self.columns.push(column);
+        row[u] = Complex64::from(if independent { left } else { 0.0 });
     }
 
     fn back_substitute(&mut self) {
-        let mut right = Vec::with_capacity(self.columns.len());
-        for q in &self.columns {
+        let rows = self.sensors + self.loads;
+        let mut right = Vec::with_capacity(self.loads);
+        for q in self.columns.chunks_exact(rows) {
             let along = inner(q, &self.residual);
             right.push(along);
             self.residual.iter_mut().zip(q).for_each(|(r, q)| *r -= along * q);
         }
-        self.forces = self.solve_upper(right);
+        self.solve_upper(&mut right);
+        self.forces = right;
         self.residual.truncate(self.sensors);
     }
 
-    /// `R x = right`; undetermined entries are zero.
-    fn solve_upper(&self, mut right: Vec<Complex64>) -> Vec<Complex64> {
+    /// `R x = right`, in place; undetermined entries are zero.
+    fn solve_upper(&self, right: &mut [Complex64]) {
         for u in (0..right.len()).rev() {
-            let pivot = self.upper[u][u];
-            right[u] = if pivot.re > 0.0 { right[u] / pivot } else { Complex64::ZERO };
+            let row = &self.upper[u * self.loads..(u + 1) * self.loads];
+            right[u] = if row[u].re > 0.0 { right[u] / row[u].re } else { Complex64::ZERO };
             let value = right[u];
-            for (i, entry) in right.iter_mut().enumerate().take(u) {
-                *entry -= self.upper[u][i] * value;
+            for (entry, r) in right.iter_mut().zip(row).take(u) {
+                *entry -= r * value;
             }
         }
-        right
     }
 
     /// Degrees of freedom of the residual (real): twice the sensors with weight less the determined forces.
     #[must_use]
     pub fn freedom(&self) -> usize {
-        let determined = self.upper.iter().enumerate().filter(|(u, row)| row[*u].re > 0.0).count();
+        let determined = (0..self.loads).filter(|u| self.upper[u * (self.loads + 1)].re > 0.0).count();
         let seen = self.weights.iter().filter(|w| **w > 0.0).count();
         2 * seen.saturating_sub(determined)
     }
@@ -118,37 +139,36 @@ impl LineBalance {
     /// Change of the forces when the accelerations change by `change` (`S`): `R⁻¹Qᴴ W^{1/2} δ`.
     #[must_use]
     pub fn response(&self, change: &[Complex64]) -> Vec<Complex64> {
-        let right = self
-            .columns
-            .iter()
-            .map(|q| {
-                q.iter()
-                    .zip(change)
-                    .zip(&self.weights)
-                    .map(|((q, d), w)| q.conj() * d * *w)
-                    .sum::<Complex64>()
-            })
-            .collect();
-        self.solve_upper(right)
+        let along = |u: usize| -> Complex64 {
+            let terms = self.column(u).iter().zip(change).zip(&self.weights);
+            terms.map(|((q, d), w)| q.conj() * d * *w).sum()
+        };
+        let mut right: Vec<Complex64> = (0..self.loads).map(along).collect();
+        self.solve_upper(&mut right);
+        right
     }
 
-    /// The part of a change of the accelerations that the forces cannot take up: `(I − QQᴴ) W^{1/2} δ`.
-    pub fn leave(&self, change: &mut [Complex64]) {
-        change.iter_mut().zip(&self.weights).for_each(|(d, w)| *d *= *w);
-        for q in &self.columns {
-            let along = inner(&q[..change.len()], change);
-            change.iter_mut().zip(q).for_each(|(d, q)| *d -= along * q);
+    /// Coordinates `Qᴴ W^{1/2} φ` of a real shape at the sensors along the columns of the forces: the part of it that they take up.
+    pub(crate) fn taken_up(&self, shape: impl Iterator<Item = f64> + Clone, into: &mut [Complex64]) {
+        for (u, entry) in into.iter_mut().enumerate() {
+            let terms = self.column(u).iter().zip(&self.weights).zip(shape.clone());
+            *entry = terms.map(|((q, w), x)| q.conj() * (w * x)).sum();
         }
+    }
+
+    /// Weights `W^{1/2}` of the sensors.
+    pub(crate) fn weights(&self) -> &[f64] {
+        &self.weights
     }
 
     /// What forces within their prior leave of accelerations, prior rows included: `‖·‖²` is `aᴴ(W⁻¹ + H P Hᴴ)⁻¹a`.
     #[must_use]
     pub fn remainder(&self, accelerations: &[Complex64]) -> Vec<Complex64> {
-        let mut left = vec![Complex64::ZERO; self.columns.first().map_or(self.sensors, Vec::len)];
+        let mut left = vec![Complex64::ZERO; self.sensors + self.loads];
         left.iter_mut().zip(accelerations).zip(&self.weights).for_each(|((l, a), w)| *l = a * *w);
-        for q in &self.columns {
-            let along = inner(q, &left);
-            left.iter_mut().zip(q).for_each(|(l, q)| *l -= along * q);
+        for u in 0..self.loads {
+            let along = inner(self.column(u), &left);
+            left.iter_mut().zip(self.column(u)).for_each(|(l, q)| *l -= along * q);
         }
         left
     }
@@ -156,11 +176,14 @@ impl LineBalance {
     /// Covariance of the forces from sensor noise and prior, row-major: `R⁻¹R⁻ᴴ`.
     #[must_use]
     pub fn covariance(&self) -> Vec<Complex64> {
-        let n = self.columns.len();
-        let inverse: Vec<Vec<Complex64>> = (0..n)
-            .map(|i| self.solve_upper((0..n).map(|k| Complex64::from(f64::from(u8::from(i == k)))).collect()))
-            .collect();
-        let entry = |i: usize, k: usize| inverse.iter().map(|c| c[i] * c[k].conj()).sum::<Complex64>();
+        let n = self.loads;
+        let mut inverse = vec![Complex64::ZERO; n * n];
+        for (i, column) in inverse.chunks_exact_mut(n.max(1)).enumerate() {
+            column[i] = Complex64::ONE;
+            self.solve_upper(column);
+        }
+        let columns = || inverse.chunks_exact(n.max(1));
+        let entry = |i: usize, k: usize| columns().map(|c| c[i] * c[k].conj()).sum::<Complex64>();
         (0..n * n).map(|e| entry(e / n, e % n)).collect()
     }
 }

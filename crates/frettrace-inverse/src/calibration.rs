@@ -1,7 +1,7 @@
 //! Calibration of the structure on the balance residual of all runs, with the declared values as priors.
 
 use crate::balance::{LineBalance, LineData};
-use crate::dynamics::{Dynamics, LineReceptances, Load};
+use crate::dynamics::{Dynamics, FixedReceptances, LineReceptances, Load};
 use crate::{ModeTrust, RunLines};
 use faer::prelude::Solve;
 use faer::{Col, Mat, Side};
@@ -76,15 +76,33 @@ impl CalibratedStructure {
 /// Lines of a run with the loads that are unknown in it.
 pub(crate) struct Equations<'a> {
     pub(crate) lines: &'a RunLines,
+    pub(crate) fixed: &'a FixedReceptances,
     pub(crate) loads: Vec<Load>,
     /// Variance that an imperfect structure adds to each sensor of each line `1..=H`; empty for none.
     pub(crate) doubt: Vec<Vec<f64>>,
+    /// Share `ε²` of a sensor's power that it adds.
+    pub(crate) share: f64,
 }
 
 impl<'a> Equations<'a> {
     /// Equations of a perfect structure.
-    pub(crate) fn new(lines: &'a RunLines, loads: Vec<Load>) -> Self {
-        Self { lines, loads, doubt: Vec::new() }
+    pub(crate) fn new((lines, fixed): (&'a RunLines, &'a FixedReceptances), loads: Vec<Load>) -> Self {
+        Self { lines, fixed, loads, doubt: Vec::new(), share: 0.0 }
+    }
+
+    /// The same run with other loads, of a perfect structure.
+    pub(crate) fn with_loads(&self, loads: Vec<Load>) -> Self {
+        Self::new((self.lines, self.fixed), loads)
+    }
+
+    /// Receptances of all lines `1..=H`.
+    pub(crate) fn receptances(&self, dynamics: &Dynamics, model: &ModalModel) -> Vec<LineReceptances> {
+        let line = |h: usize| {
+            let mut line = LineReceptances::default();
+            dynamics.fill_upon(model, self.fixed, h, &mut line);
+            line
+        };
+        (1..=self.order()).map(line).collect()
     }
 
     /// Data of a line `h ≥ 1`.
@@ -129,14 +147,14 @@ impl Step {
 /// Calibrates the trusted modes by Gauss-Newton on the projected residual (variable projection, Kaufman's form).
 ///
 /// Minimises `Σ_lines (4 + d) ln(1 + χ²/4) + Σ_p (θ_p/s_p)²` over `θ = ln(ω_n/ω_n0), ln(ζ_n/ζ_n0)`; the contact forces of
-/// every line are eliminated by [`LineBalance`], so that no friction law is needed.
+/// every line are eliminated by [`LineBalance`], so that no friction law is needed. Begins at the parameters `from`.
 pub(crate) fn calibrate(
-    declared: &CalibratedStructure,
+    (declared, from): (&CalibratedStructure, &CalibratedStructure),
     dynamics: &Dynamics,
     runs: &[&Equations<'_>],
 ) -> CalibratedStructure {
     let problem = Problem { declared, dynamics, runs };
-    let mut theta = vec![0.0; 2 * declared.modes];
+    let mut theta = problem.parameters(&from.model);
     let mut step = problem.step(&theta);
     let mut converged = false;
     for _ in 0..MOST_STEPS {
@@ -155,7 +173,8 @@ pub(crate) fn calibrate(
             break;
         }
     }
-    let covariance = inverse(&step).unwrap_or_else(|| declared.covariance.clone());
+    let known = problem.weighted(&theta, &|weight| weight.min(1.0));
+    let covariance = inverse(&known).unwrap_or_else(|| declared.covariance.clone());
     CalibratedStructure { model: problem.model(&theta), covariance, modes: declared.modes, converged }
 }
 
@@ -166,6 +185,18 @@ struct Problem<'a> {
 }
 
 impl Problem<'_> {
+    /// Parameters of a model: logarithms over what is declared.
+    fn parameters(&self, model: &ModalModel) -> Vec<f64> {
+        let declared = &self.declared.model;
+        let mode = |n: usize| {
+            let frequency = model.natural_frequency()[n] / declared.natural_frequency()[n];
+            let damping = model.damping_ratio()[n] / declared.damping_ratio()[n];
+            // A mode without damping has none to calibrate.
+            [frequency.ln(), if damping > 0.0 && damping.is_finite() { damping.ln() } else { 0.0 }]
+        };
+        (0..self.declared.modes).flat_map(mode).collect()
+    }
+
     fn model(&self, theta: &[f64]) -> ModalModel {
         let mut model = self.declared.model.clone();
         for mode in 0..self.declared.modes {
@@ -192,8 +223,14 @@ impl Problem<'_> {
     }
 
     fn step(&self, theta: &[f64]) -> Step {
+        self.weighted(theta, &|weight| weight)
+    }
+
+    /// Normal equations with other weights of the lines. A line that fits better than it need is not known better: the covariance is that
+    /// of weights of at most one.
+    fn weighted(&self, theta: &[f64], weight: &(dyn Fn(f64) -> f64 + Sync)) -> Step {
         let model = self.model(theta);
-        let parts: Vec<Step> = self.runs.par_iter().map(|run| self.run_step(&model, run)).collect();
+        let parts: Vec<Step> = self.runs.par_iter().map(|run| self.run_step(&model, run, weight)).collect();
         let mut total = parts.iter().fold(Step::zero(theta.len()), Step::add);
         for (p, value) in theta.iter().enumerate() {
             let precision = 1.0 / self.declared.covariance[p * theta.len() + p];
@@ -204,14 +241,14 @@ impl Problem<'_> {
         total
     }
 
-    fn run_step(&self, model: &ModalModel, run: &Equations<'_>) -> Step {
+    fn run_step(&self, model: &ModalModel, run: &Equations<'_>, weight: &dyn Fn(f64) -> f64) -> Step {
         let modes = self.declared.modes;
         let mut step = Step::zero(2 * modes);
         let mut line = LineReceptances::default();
-        let mut columns = vec![vec![Complex64::ZERO; self.dynamics.sensors()]; 2 * modes];
+        let mut tangents = Tangents::new(modes, run.loads.len());
         let free = vec![f64::INFINITY; run.loads.len()];
         for h in 1..=run.order() {
-            self.dynamics.fill(model, run.lines.force.omega(h), &mut line);
+            self.dynamics.fill_upon(model, run.fixed, h, &mut line);
             let data = run.data(h);
             let balance = LineBalance::solve(&line, &data, &run.loads, &free);
             let (chi, freedom) = (balance.chi_square(), balance.freedom() as f64);
@@ -219,40 +256,83 @@ impl Problem<'_> {
                 continue;
             }
             step.cost += (HEAVY_TAIL + freedom) * (chi / HEAVY_TAIL).ln_1p();
-            let weight = (HEAVY_TAIL + freedom) / (HEAVY_TAIL + chi);
-            let motion = Motion { dynamics: self.dynamics, model, omega: line.omega(), data: &data, run };
+            let weight = weight((HEAVY_TAIL + freedom) / (HEAVY_TAIL + chi));
+            tangents.fill(self.dynamics, &balance);
+            let omega = line.omega();
             for mode in 0..modes {
-                motion.tangents(mode, &balance, &mut columns);
+                let load = generalised_force(self.dynamics, mode, data.force, &run.loads, &balance.forces);
+                let scales = [model.natural_frequency()[mode], model.damping_ratio()[mode]];
+                let gains = model.modal_receptance_gradient(mode, omega);
+                for kind in 0..2 {
+                    tangents.amplitudes[2 * mode + kind] =
+                        gains[kind] * scales[kind] * load * (omega * omega);
+                }
             }
-            accumulate(&mut step, &columns, &balance.residual, 2.0 * weight);
+            tangents.accumulate(&mut step, 2.0 * weight);
         }
         step
     }
 }
 
-/// Tangents of one line.
-struct Motion<'a> {
-    dynamics: &'a Dynamics,
-    model: &'a ModalModel,
-    omega: f64,
-    data: &'a LineData,
-    run: &'a Equations<'a>,
+/// Tangents of one line's residual: `z_p ψ_n`, with the part `ψ_n` of a shape that the forces cannot take up, and the amplitude
+/// `z = ω² ∂g_n p_n` by `ln ω_n` or `ln ζ_n` under the generalised force `p_n`. Both parameters of a mode share its shape, so that
+/// products are formed of shapes, and scaled.
+struct Tangents {
+    modes: usize,
+    loads: usize,
+    /// Coordinates of the shapes along the forces, a row each mode.
+    taken: Vec<Complex64>,
+    /// Products `ψ_nᴴ ψ_m` for `m ≥ n`, and `ψ_nᴴ r` with the residual.
+    products: Vec<Complex64>,
+    along: Vec<Complex64>,
+    amplitudes: Vec<Complex64>,
 }
 
-impl Motion<'_> {
-    /// Derivative of the residual with respect to `ln ω_n` and `ln ζ_n`: what the forces cannot take up of
-    /// `ω² φ_s ∂g_n p_n`, with the generalised force `p_n` of all loads.
-    fn tangents(&self, mode: usize, balance: &LineBalance, columns: &mut [Vec<Complex64>]) {
-        let load = generalised_force(self.dynamics, mode, self.data.force, &self.run.loads, &balance.forces);
-        let gains = self.model.modal_receptance_gradient(mode, self.omega);
-        let scales = [self.model.natural_frequency()[mode], self.model.damping_ratio()[mode]];
-        for (kind, (gain, scale)) in gains.into_iter().zip(scales).enumerate() {
-            let column = &mut columns[2 * mode + kind];
-            let amplitude = gain * scale * load * (self.omega * self.omega);
-            for (s, entry) in column.iter_mut().enumerate() {
-                *entry = amplitude * self.dynamics.sensor_shape(mode, s);
+impl Tangents {
+    fn new(modes: usize, loads: usize) -> Self {
+        let zero = |n: usize| vec![Complex64::ZERO; n];
+        Self {
+            modes,
+            loads,
+            taken: zero(modes * loads),
+            products: zero(modes * modes),
+            along: zero(modes),
+            amplitudes: zero(2 * modes),
+        }
+    }
+
+    /// Products of the shapes under the weights of a line.
+    fn fill(&mut self, dynamics: &Dynamics, balance: &LineBalance) {
+        let (loads, weights) = (self.loads, balance.weights());
+        for n in 0..self.modes {
+            let shape = dynamics.sensor_shapes(n);
+            balance.taken_up(shape.iter().copied(), &mut self.taken[n * loads..(n + 1) * loads]);
+            let terms = shape.iter().zip(weights).zip(&balance.residual);
+            self.along[n] = terms.map(|((x, w), r)| r * (x * w)).sum();
+        }
+        for n in 0..self.modes {
+            for m in n..self.modes {
+                let pairs = dynamics.sensor_shapes(n).iter().zip(dynamics.sensor_shapes(m)).zip(weights);
+                let whole: f64 = pairs.map(|((x, y), w)| x * y * w * w).sum();
+                let rows = self.taken[n * loads..][..loads].iter().zip(&self.taken[m * loads..][..loads]);
+                let taken: Complex64 = rows.map(|(a, b)| a.conj() * b).sum();
+                self.products[n * self.modes + m] = whole - taken;
             }
-            balance.leave(column);
+        }
+    }
+
+    fn accumulate(&self, step: &mut Step, weight: f64) {
+        let count = self.amplitudes.len();
+        for (p, z) in self.amplitudes.iter().enumerate() {
+            let (n, scaled) = (p / 2, z.conj() * weight);
+            step.gradient[p] += (scaled * self.along[n]).re;
+            for (q, other) in self.amplitudes.iter().enumerate().skip(p) {
+                let product = (scaled * self.products[n * self.modes + q / 2] * other).re;
+                step.matrix[p * count + q] += product;
+                if q != p {
+                    step.matrix[q * count + p] += product;
+                }
+            }
         }
     }
 }
@@ -268,23 +348,6 @@ pub(crate) fn generalised_force(
     let exciter = force * dynamics.load_shape(mode, Load::Exciter);
     loads.iter().zip(forces).map(|(load, f)| f * dynamics.load_shape(mode, *load)).sum::<Complex64>()
         + exciter
-}
-
-fn accumulate(step: &mut Step, columns: &[Vec<Complex64>], residual: &[Complex64], weight: f64) {
-    let real = |a: &[Complex64], b: &[Complex64]| -> f64 {
-        a.iter().zip(b).map(|(x, y)| x.re * y.re + x.im * y.im).sum()
-    };
-    let n = columns.len();
-    for (p, column) in columns.iter().enumerate() {
-        step.gradient[p] += weight * real(column, residual);
-        for (q, other) in columns.iter().enumerate().skip(p) {
-            let product = weight * real(column, other);
-            step.matrix[p * n + q] += product;
-            if q != p {
-                step.matrix[q * n + p] += product;
-            }
-        }
-    }
 }
 
 fn factor(step: &Step) -> Option<faer::linalg::solvers::Llt<f64>> {

@@ -9,6 +9,7 @@ use crate::dynamics::{Dynamics, LineReceptances, Load};
 use crate::splines::PeriodicSpline;
 use frettrace_fourier::Harmonics;
 use num_complex::Complex64;
+pub(crate) use outputs::COMPLIANCE_DOUBT;
 use outputs::Outputs;
 
 /// What was recovered in the contact, line by line; line 0 is zero throughout, for accelerations do not see means.
@@ -32,28 +33,19 @@ pub struct ContactHarmonics {
 
 /// Errors that all lines of a quantity have in common, for they come from the structure: `Σ_p ξ_p Re Σ_h g_ph e^{ihΩt}` with
 /// independent standard normal `ξ_p`. They are part of the variances of the lines; in a time series they make a band that
-/// breathes with the signal. One vector of `H + 1` coefficients a source `p`; none for an aperiodic run.
+/// breathes with the signal. One vector of `H + 1` coefficients a source `p`.
 #[derive(Clone, Debug, Default)]
 pub struct SharedErrors {
     /// Of the friction force (N).
     pub friction: Vec<Vec<Complex64>>,
     /// Of the slip (m).
     pub slip: Vec<Vec<Complex64>>,
+    /// Of the slip velocity (m/s).
+    pub slip_velocity: Vec<Vec<Complex64>>,
     /// Of the normal force (N).
     pub normal: Vec<Vec<Complex64>>,
     /// Of the force of the second support (N).
     pub second_support: Vec<Vec<Complex64>>,
-}
-
-impl SharedErrors {
-    /// Of the slip velocity (m/s), with the base frequency (rad/s): line `h` of the slip times `ihΩ`.
-    #[must_use]
-    pub fn slip_velocity(&self, base: f64) -> Vec<Vec<Complex64>> {
-        let turned = |source: &Vec<Complex64>| {
-            source.iter().enumerate().map(|(h, g)| g * Complex64::new(0.0, base * h as f64)).collect()
-        };
-        self.slip.iter().map(turned).collect()
-    }
 }
 
 /// What no contact force at the declared places can explain: the structure or a sensor is at fault, never a friction law.
@@ -106,19 +98,21 @@ pub(crate) struct Setting<'a> {
 impl Setting<'_> {
     /// Residual of the balance without any prior on the forces.
     pub(crate) fn residual(&self, run: &Equations<'_>) -> BalanceResidual {
-        self.free(run).0
+        self.free(run, &run.receptances(self.dynamics, &self.structure.model)).0
     }
 
     /// Balance without prior: residual, and force and variance of each unknown and line.
-    fn free(&self, run: &Equations<'_>) -> (BalanceResidual, Vec<Vec<(Complex64, f64)>>) {
+    fn free(
+        &self,
+        run: &Equations<'_>,
+        receptances: &[LineReceptances],
+    ) -> (BalanceResidual, Vec<Vec<(Complex64, f64)>>) {
         let unknowns = run.loads.len();
         let none = vec![f64::INFINITY; unknowns];
         let mut found = BalanceResidual::default();
         let mut powers = vec![Vec::with_capacity(run.order()); unknowns];
-        let mut line = LineReceptances::default();
-        for h in 1..=run.order() {
-            self.dynamics.fill(&self.structure.model, run.lines.force.omega(h), &mut line);
-            let balance = LineBalance::solve(&line, &run.data(h), &run.loads, &none);
+        for (line, h) in receptances.iter().zip(1..) {
+            let balance = LineBalance::solve(line, &run.data(h), &run.loads, &none);
             let covariance = balance.covariance();
             for (u, power) in powers.iter_mut().enumerate() {
                 power.push((balance.forces[u], covariance[u * unknowns + u].re));
@@ -132,8 +126,9 @@ impl Setting<'_> {
 
     /// Balance with the regularisation: each force of each line has a prior variance drawn from the spectrum itself.
     pub(crate) fn balance(&self, run: &Equations<'_>) -> RunBalance {
-        let (residual, plain) = self.free(&Equations::new(run.lines, run.loads.clone()));
-        let powers = if run.doubt.is_empty() { plain.clone() } else { self.free(run).1 };
+        let receptances = run.receptances(self.dynamics, &self.structure.model);
+        let (residual, plain) = self.free(&run.with_loads(run.loads.clone()), &receptances);
+        let powers = if run.doubt.is_empty() { plain.clone() } else { self.free(run, &receptances).1 };
         let stride = 2 * run.lines.subharmonic_order;
         let priors: Vec<Vec<f64>> = plain
             .iter()
@@ -143,12 +138,10 @@ impl Setting<'_> {
         let smooth = if self.splines { smoothed(run, &powers[0]) } else { None };
         let roots = self.structure.roots();
         let mut table = Table::new(run, self.dynamics.sensors(), roots.len() + 1);
-        let mut line = LineReceptances::default();
         let mut regularised = Vec::new();
-        for h in 1..=run.order() {
-            self.dynamics.fill(&self.structure.model, run.lines.force.omega(h), &mut line);
+        for (line, h) in receptances.iter().zip(1..) {
             let prior: Vec<f64> = priors.iter().map(|p| p[h - 1]).collect();
-            let mut balance = LineBalance::solve(&line, &run.data(h), &run.loads, &prior);
+            let mut balance = LineBalance::solve(line, &run.data(h), &run.loads, &prior);
             if let Some(smooth) = &smooth {
                 balance.forces[0] = smooth.coefficients[h];
             }
@@ -156,7 +149,7 @@ impl Setting<'_> {
             if balance.degenerate || priors[0][h - 1] < friction {
                 regularised.push(h);
             }
-            let outputs = Outputs { setting: self, run, line: &line, balance: &balance, h };
+            let outputs = Outputs { setting: self, run, line, balance: &balance, h };
             outputs.write(&roots, &mut table);
         }
         RunBalance { contact: table.finish(run), residual, regularised }
@@ -202,9 +195,13 @@ impl Table {
         let mut next = || all.next().unwrap_or_else(|| Harmonics::exact(base, Vec::new()));
         let (friction, slip, normal, second) = (next(), next(), next(), next());
         let [shared_friction, shared_slip, shared_normal, shared_second] = self.shared;
+        let turned = |source: &Vec<Complex64>| -> Vec<Complex64> {
+            source.iter().enumerate().map(|(h, g)| g * Complex64::new(0.0, base * h as f64)).collect()
+        };
         ContactHarmonics {
             shared: SharedErrors {
                 friction: shared_friction,
+                slip_velocity: shared_slip.iter().map(turned).collect(),
                 slip: shared_slip,
                 normal: shared_normal,
                 second_support: shared_second,

@@ -3,6 +3,7 @@
 use crate::{Rig, Slip};
 use frettrace_beam::{Dof, Freedom, ModalModel, ModeShape, mode_shapes};
 use num_complex::Complex64;
+use std::ops::Range;
 
 /// A load on the beam.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -31,6 +32,7 @@ impl Load {
     }
 }
 
+/// Columns of a table of flexibilities.
 const COLUMNS: usize = 4;
 
 /// Shapes and residual flexibilities between the loads and the outputs (sensors, slip, displacement of the end).
@@ -39,6 +41,7 @@ const COLUMNS: usize = 4;
 #[derive(Clone, Debug)]
 pub struct Dynamics {
     sensors: usize,
+    columns: usize,
     modes: usize,
     /// Shapes at the outputs, one row of `S + 2` a mode.
     output: Vec<f64>,
@@ -55,8 +58,17 @@ pub struct Dynamics {
 pub struct LineReceptances {
     omega: f64,
     sensors: usize,
-    gains: Vec<Complex64>,
+    /// Loads that act: the last column, of the second support, is left out where there is none.
+    columns: usize,
     matrix: Vec<Complex64>,
+}
+
+/// What a structure makes of the lines of a run with the modes that no calibration moves.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FixedReceptances {
+    /// Modes that are not in it.
+    modes: usize,
+    lines: Vec<LineReceptances>,
 }
 
 impl LineReceptances {
@@ -69,19 +81,24 @@ impl LineReceptances {
     /// Accelerance from a load to a sensor (m/s² per N).
     #[must_use]
     pub fn acceleration(&self, sensor: usize, load: Load) -> Complex64 {
-        self.matrix[sensor * COLUMNS + load.column()] * -(self.omega * self.omega)
+        self.of(sensor, load) * -(self.omega * self.omega)
     }
 
     /// Slip per load (m/N).
     #[must_use]
     pub fn slip(&self, load: Load) -> Complex64 {
-        self.matrix[self.sensors * COLUMNS + load.column()]
+        self.of(self.sensors, load)
     }
 
     /// Transverse displacement of the end per load (m/N).
     #[must_use]
     pub fn end(&self, load: Load) -> Complex64 {
-        self.matrix[(self.sensors + 1) * COLUMNS + load.column()]
+        self.of(self.sensors + 1, load)
+    }
+
+    fn of(&self, output: usize, load: Load) -> Complex64 {
+        let column = load.column();
+        if column < self.columns { self.matrix[output * self.columns + column] } else { Complex64::ZERO }
     }
 }
 
@@ -116,6 +133,7 @@ impl Dynamics {
         Self {
             doubtful,
             sensors: rig.sensors.len(),
+            columns: if rig.second_support.is_some() { COLUMNS } else { COLUMNS - 1 },
             modes: model.mode_count(),
             output: at(&outputs),
             input: at(&inputs),
@@ -140,6 +158,11 @@ impl Dynamics {
         self.output[mode * (self.sensors + 2) + sensor]
     }
 
+    /// Shape of a mode at all sensors.
+    pub(crate) fn sensor_shapes(&self, mode: usize) -> &[f64] {
+        &self.output[mode * (self.sensors + 2)..][..self.sensors]
+    }
+
     /// Shape of a mode at the slip, and at the end.
     #[must_use]
     pub fn contact_shape(&self, mode: usize) -> [f64; 2] {
@@ -155,21 +178,61 @@ impl Dynamics {
 
     /// Fills `line` with the receptances at `omega` (rad/s).
     pub fn fill(&self, structure: &ModalModel, omega: f64, line: &mut LineReceptances) {
-        let outputs = self.sensors + 2;
-        line.omega = omega;
-        line.sensors = self.sensors;
-        line.gains.clear();
-        line.gains.extend((0..self.modes).map(|n| structure.modal_receptance(n, omega)));
+        self.start(omega, line);
+        self.add_modes(structure, 0..self.modes, line);
+    }
+
+    /// The residual flexibility.
+    fn start(&self, omega: f64, line: &mut LineReceptances) {
+        (line.omega, line.sensors, line.columns) = (omega, self.sensors, self.columns);
         line.matrix.clear();
-        line.matrix.extend(self.residual.iter().map(|r| Complex64::new(*r, 0.0)));
-        for (mode, gain) in line.gains.iter().enumerate() {
-            let input = &self.input[mode * COLUMNS..(mode + 1) * COLUMNS];
+        let rows = self.residual.chunks_exact(COLUMNS);
+        line.matrix.extend(rows.flat_map(|row| row[..self.columns].iter().map(|r| Complex64::from(*r))));
+    }
+
+    /// Adds modes to the receptances of a line.
+    fn add_modes(&self, structure: &ModalModel, modes: Range<usize>, line: &mut LineReceptances) {
+        let outputs = self.sensors + 2;
+        for mode in modes {
+            let gain = structure.modal_receptance(mode, line.omega);
+            let input = &self.input[mode * COLUMNS..][..self.columns];
             let output = &self.output[mode * outputs..(mode + 1) * outputs];
-            for (row, shape) in line.matrix.chunks_exact_mut(COLUMNS).zip(output) {
+            for (row, shape) in line.matrix.chunks_exact_mut(self.columns).zip(output) {
                 let scaled = gain * *shape;
                 row.iter_mut().zip(input).for_each(|(entry, load)| *entry += scaled * *load);
             }
         }
+    }
+
+    /// What the modes from `modes` on, which stay as they are, make of the lines `1..=order` of a base frequency (rad/s).
+    pub(crate) fn fixed(
+        &self,
+        structure: &ModalModel,
+        modes: usize,
+        (base, order): (f64, usize),
+    ) -> FixedReceptances {
+        let line = |h: usize| {
+            let mut line = LineReceptances::default();
+            self.start(base * h as f64, &mut line);
+            self.add_modes(structure, modes..self.modes, &mut line);
+            line
+        };
+        FixedReceptances { modes, lines: (1..=order).map(line).collect() }
+    }
+
+    /// Fills `line` with the receptances of line `h ≥ 1` upon those that stay as they are.
+    pub(crate) fn fill_upon(
+        &self,
+        structure: &ModalModel,
+        fixed: &FixedReceptances,
+        h: usize,
+        line: &mut LineReceptances,
+    ) {
+        let start = &fixed.lines[h - 1];
+        (line.omega, line.sensors, line.columns) = (start.omega, start.sensors, start.columns);
+        line.matrix.clear();
+        line.matrix.extend_from_slice(&start.matrix);
+        self.add_modes(structure, 0..fixed.modes, line);
     }
 }
 

@@ -215,7 +215,7 @@ fn common_gain(setting: &Setting<'_>, run: &Equations<'_>, before: f64) -> Optio
     let mut lines = run.lines.clone();
     lines.force.coefficients.fill(Complex64::ZERO);
     let loads = run.loads.iter().copied().chain([Load::Exciter]).collect();
-    let freed = Equations::new(run.lines, loads);
+    let freed = run.with_loads(loads);
     if reduced(setting, &freed, &lines) >= LEFT * before {
         return None;
     }
@@ -254,14 +254,14 @@ fn balances(
         .map(|h| (h, lines.accelerations.iter().map(|a| a.coefficients[h].norm_sqr()).sum()))
         .collect();
     strength.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let equations = Equations::new(lines, run.loads.clone());
+    let equations = Equations::new((lines, run.fixed), run.loads.clone());
     let free = vec![f64::INFINITY; run.loads.len()];
     strength
         .iter()
         .take(LINES)
         .map(|(h, _)| {
             let mut line = LineReceptances::default();
-            setting.dynamics.fill(&setting.structure.model, lines.force.omega(*h), &mut line);
+            setting.dynamics.fill_upon(&setting.structure.model, run.fixed, *h, &mut line);
             let balance = LineBalance::solve(&line, &equations.data(*h), &run.loads, &free);
             (line, balance)
         })

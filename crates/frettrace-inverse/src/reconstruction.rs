@@ -5,16 +5,17 @@ mod series;
 mod whole;
 
 pub use series::Channel;
-use series::Times;
+use series::{Series, Times};
 
 use crate::analysis::{Form, RunLines, analyse};
 use crate::calibration::{CalibratedStructure, Equations, calibrate};
 use crate::contact::{BalanceResidual, ContactHarmonics, RunBalance, Setting};
 use crate::doubt;
-use crate::dynamics::{Dynamics, Load};
+use crate::dynamics::{Dynamics, FixedReceptances, Load};
 use crate::findings::{self, Finding};
 use crate::{InverseError, Options, Rig, RunData, Slip};
 use rayon::prelude::*;
+use whole::Beside;
 
 /// Excess of the balance residual over its expectation from which a further unknown is considered.
 const CONSPICUOUS: f64 = 3.0;
@@ -84,41 +85,60 @@ pub fn reconstruct(
         runs.par_iter().map(|run| analyse(run, &rig.sensors, options.form)).collect::<Result<_, _>>()?;
     let dynamics = Dynamics::new(rig);
     let declared = CalibratedStructure::declared(rig.structure.clone(), &rig.trust);
-    let mut wanted = vec![Load::Friction];
-    wanted.extend(rig.second_support.map(|_| Load::SecondSupport));
-    let mut loads = vec![wanted; runs.len()];
-    let calibrated = |equations: &[Equations<'_>]| fitted(&declared, &dynamics, equations, options);
-    let mut structure = calibrated(&equations(&lines, &loads));
-    if free_normal_reaction(rig, &setting(rig, &structure, &dynamics), &lines, &mut loads) {
-        structure = calibrated(&equations(&lines, &loads));
+    let fixed: Vec<FixedReceptances> = lines
+        .par_iter()
+        .map(|run| dynamics.fixed(&rig.structure, declared.modes, (run.force.base, run.force.order())))
+        .collect();
+    let mut equations: Vec<Equations<'_>> =
+        lines.iter().zip(&fixed).map(|run| Equations::new(run, wanted(rig))).collect();
+    let calibrated = |from: &CalibratedStructure, equations: &[Equations<'_>]| {
+        fitted((&declared, from), &dynamics, equations, options)
+    };
+    let mut structure = calibrated(&declared, &equations);
+    if free_normal_reaction(rig, &setting(rig, &structure, &dynamics), &mut equations) {
+        structure = calibrated(&structure, &equations);
     }
-    let mut equations = equations(&lines, &loads);
     if doubt::add(&setting(rig, &structure, &dynamics), &mut equations) {
-        structure = calibrated(&equations);
+        structure = calibrated(&structure, &equations);
     }
     let setting = Setting { splines: options.splines, ..setting(rig, &structure, &dynamics) };
     let mut findings = findings::of_channels(rig, runs);
-    let told = loudest(&lines)
-        .and_then(|run| findings::of_balance(&setting, &Equations::new(&lines[run], loads[run].clone())));
+    let told = loudest(&lines).and_then(|run| {
+        findings::of_balance(&setting, &equations[run].with_loads(equations[run].loads.clone()))
+    });
     findings.extend(told.filter(|finding| !finding.follows(&findings)));
-    let solved: Vec<(RunBalance, Vec<Load>)> = equations
+    let solved: Vec<Solved> = equations
         .par_iter()
         .zip(runs)
-        .map(|(equations, run)| match equations.lines.form {
-            Form::Aperiodic => whole::solve(rig, &setting, run, equations),
-            _ => (setting.balance(equations), equations.loads.clone()),
-        })
+        .map(|(equations, run)| Solved::of(rig, &setting, run, equations))
         .collect();
     drop(equations);
     let finished = lines
         .into_par_iter()
         .zip(runs)
         .zip(solved)
-        .map(|((lines, run), (balance, loads))| {
-            finish(rig, run, (lines, balance), loads.contains(&Load::NormalDeviation))
-        })
+        .map(|((lines, run), solved)| finish(rig, run, lines, solved))
         .collect();
     Ok(Reconstruction { structure, runs: finished, findings })
+}
+
+/// A solved run.
+struct Solved {
+    balance: RunBalance,
+    /// What is beside the lines.
+    beside: Beside,
+    loads: Vec<Load>,
+}
+
+impl Solved {
+    fn of(rig: &Rig, setting: &Setting<'_>, run: &RunData<'_>, equations: &Equations<'_>) -> Self {
+        if equations.lines.form == Form::Aperiodic {
+            let (balance, loads) = whole::solve(rig, setting, run, equations);
+            return Self { balance, beside: Beside::Nothing, loads };
+        }
+        let beside = whole::beside_lines(setting, equations);
+        Self { balance: setting.balance(equations), beside, loads: equations.loads.clone() }
+    }
 }
 
 /// The periodic run with the strongest accelerations.
@@ -133,14 +153,14 @@ fn setting<'a>(rig: &Rig, structure: &'a CalibratedStructure, dynamics: &'a Dyna
     Setting { structure, dynamics, normal_stiffness: rig.normal_stiffness, splines: false }
 }
 
-/// Equations of all runs.
-fn equations<'a>(lines: &'a [RunLines], loads: &[Vec<Load>]) -> Vec<Equations<'a>> {
-    lines.iter().zip(loads).map(|(lines, loads)| Equations::new(lines, loads.clone())).collect()
+/// The contact forces that are wanted of every run.
+fn wanted(rig: &Rig) -> Vec<Load> {
+    [Load::Friction].into_iter().chain(rig.second_support.map(|_| Load::SecondSupport)).collect()
 }
 
-/// The structure calibrated on the periodic runs that leave degrees of freedom.
+/// The structure calibrated on the periodic runs that leave degrees of freedom, beginning from one that is near.
 fn fitted(
-    declared: &CalibratedStructure,
+    (declared, from): (&CalibratedStructure, &CalibratedStructure),
     dynamics: &Dynamics,
     equations: &[Equations<'_>],
     options: &Options,
@@ -150,7 +170,7 @@ fn fitted(
         .filter(|run| run.lines.form != Form::Aperiodic && dynamics.sensors() > run.loads.len())
         .collect();
     if options.calibrate && !usable.is_empty() {
-        calibrate(declared, dynamics, &usable)
+        calibrate((declared, from), dynamics, &usable)
     } else {
         declared.clone()
     }
@@ -159,25 +179,20 @@ fn fitted(
 /// Frees the normal reaction of the runs whose balance residual asks for it; whether any does.
 ///
 /// It asks for it when the residual is conspicuous and a force at the end takes nearly all of it away.
-fn free_normal_reaction(
-    rig: &Rig,
-    setting: &Setting<'_>,
-    lines: &[RunLines],
-    loads: &mut [Vec<Load>],
-) -> bool {
-    let mut any = false;
-    for (lines, loads) in lines.iter().zip(loads).filter(|(lines, _)| lines.form != Form::Aperiodic) {
-        let residual = |loads: &[Load]| setting.residual(&Equations::new(lines, loads.to_vec())).reduced();
-        if !asks(residual(loads)) {
-            continue;
-        }
-        let Some(more) = with_normal_reaction(rig, loads) else { continue };
-        if answered(residual(loads), residual(&more)) {
-            *loads = more;
-            any = true;
-        }
+fn free_normal_reaction(rig: &Rig, setting: &Setting<'_>, runs: &mut [Equations<'_>]) -> bool {
+    let freed = |run: &Equations<'_>| -> Option<Vec<Load>> {
+        let bound = setting.residual(run).reduced();
+        let more = with_normal_reaction(rig, &run.loads).filter(|_| asks(bound))?;
+        answered(bound, setting.residual(&run.with_loads(more.clone())).reduced()).then_some(more)
+    };
+    let found: Vec<Option<Vec<Load>>> = runs
+        .par_iter()
+        .map(|run| if run.lines.form == Form::Aperiodic { None } else { freed(run) })
+        .collect();
+    for (run, loads) in runs.iter_mut().zip(&found) {
+        run.loads = loads.clone().unwrap_or_else(|| run.loads.clone());
     }
-    any
+    found.iter().any(Option::is_some)
 }
 
 /// Whether a reduced chi-square is conspicuous.
@@ -199,46 +214,53 @@ fn with_normal_reaction(rig: &Rig, loads: &[Load]) -> Option<Vec<Load>> {
     possible.then(|| loads.iter().copied().chain([Load::NormalDeviation]).collect())
 }
 
-fn finish(
-    rig: &Rig,
-    run: &RunData<'_>,
-    (lines, balance): (RunLines, RunBalance),
-    deviates: bool,
-) -> RunReconstruction {
-    let RunBalance { contact, residual, regularised } = balance;
+fn finish(rig: &Rig, run: &RunData<'_>, lines: RunLines, solved: Solved) -> RunReconstruction {
+    let Solved { balance: RunBalance { contact, residual, regularised }, beside, loads } = solved;
     let frequency_std = if lines.form == Form::Aperiodic { 0.0 } else { lines.frequency.std };
-    let times = Times { rate: lines.sampling_rate, samples: lines.samples, frequency_std };
-    let series = |harmonics, shared: &[_]| Channel::from_harmonics(harmonics, shared, &times);
-    let acceleration_fit: Vec<Channel> = contact.acceleration_fit.iter().map(|a| series(a, &[])).collect();
-    let (acceleration_error, noise_floor) = series::errors(run, &acceleration_fit, &lines.noise_std);
-    let mut notes = Vec::new();
-    if lines.form == Form::Aperiodic {
-        notes.push(format!(
-            "not taken as periodic: {:.2} % of the power lies outside all lines; balanced over the whole spectrum, drift slower than the record left out",
-            100.0 * lines.aperiodic_share
-        ));
+    let mut series = Series::of(&contact, &Times::new(&lines, frequency_std, &contact.friction));
+    if let Beside::Contact(beside) = &beside {
+        let times = Times::new(&lines, 0.0, &beside.contact.friction);
+        series = series.with(&Series::of(&beside.contact, &times));
     }
+    // What is between the lines and no force makes is noise, whatever was declared.
+    let noise = if let Beside::Foreign(_) = beside { &lines.residual_std } else { &lines.noise_std };
+    let (acceleration_error, noise_floor) = series::errors(run, &series.acceleration_fit, noise);
     RunReconstruction {
         time: (0..lines.samples).map(|j| j as f64 / lines.sampling_rate).collect(),
-        friction_force: series(&contact.friction, &contact.shared.friction),
-        normal_force: series(&contact.normal, &contact.shared.normal).plus(run.preload),
-        slip_displacement: series(&contact.slip, &contact.shared.slip),
-        slip_velocity: series(&contact.slip_velocity, &contact.shared.slip_velocity(contact.slip.base)),
-        second_support_force: contact
-            .second_support
-            .as_ref()
-            .map(|second| series(second, &contact.shared.second_support)),
-        acceleration_fit,
+        friction_force: series.friction,
+        normal_force: series.normal.plus(run.preload),
+        slip_displacement: series.slip,
+        slip_velocity: series.slip_velocity,
+        second_support_force: series.second_support,
+        acceleration_fit: series.acceleration_fit,
         acceleration_error,
         noise_floor,
         balance: residual,
-        normal_deviates: deviates,
+        normal_deviates: loads.contains(&Load::NormalDeviation),
         regularised_lines: regularised,
         unobservable: unobservable(rig, lines.form),
-        notes,
+        notes: notes(&lines, &beside),
         contact: Some(contact),
         lines,
     }
+}
+
+/// What a reader must know about a run.
+fn notes(lines: &RunLines, beside: &Beside) -> Vec<String> {
+    let share = 100.0 * lines.aperiodic_share;
+    let aperiodic = (lines.form == Form::Aperiodic).then(|| {
+        format!(
+            "not taken as periodic: {share:.2} % of the power lies outside all lines; balanced over the whole spectrum, drift slower than the record weighed against a random walk"
+        )
+    });
+    let beside = match beside {
+        Beside::Nothing => None,
+        Beside::Contact(_) => Some(format!(
+            "{share:.1e} % of the power lies between the lines and is made in the contact: balanced over the whole spectrum and added to the samples, not to the lines"
+        )),
+        Beside::Foreign(foreign) => Some(foreign.to_string()),
+    };
+    aperiodic.into_iter().chain(beside).collect()
 }
 
 fn unobservable(rig: &Rig, form: Form) -> Vec<&'static str> {

@@ -118,15 +118,14 @@ fn beating_is_recognised_and_solved() {
     let record = recorded(&oracle, &loads, 2.5);
     let found = solve(&oracle.declared(&SENSORS, NOISE, 6, 0.0), &record);
     assert_eq!(found.runs[0].lines.form, Form::Aperiodic, "{}", found.runs[0].lines.aperiodic_share);
-    // Slip of an aperiodic record lacks what is slower than the record: it is judged by its velocity.
-    check(&found, &record, [0.05, 0.2, 0.05, 0.05]);
+    // A slow friction moment hardly moves the beam: its lowest bins are left to the prior.
+    check(&found, &record, [0.06, TARGETS[1], TARGETS[2], TARGETS[3]]);
     let run = &found.runs[0];
     let over = run.acceleration_error / run.noise_floor;
     assert!(over < 1.05, "the ends of the record must be fitted too: {over}");
 }
 
-/// A periodic run over its whole spectrum says what its lines say: friction, slip velocity and normal force differ by no more than both are
-/// allowed to miss the truth by, and the slip by what is slower than the record besides.
+/// A periodic run over its whole spectrum says what its lines say: they differ by no more than both are allowed to miss the truth by.
 #[test]
 fn the_whole_spectrum_agrees_with_the_lines() {
     let oracle = Oracle::new(STIFFNESS, &SENSORS);
@@ -138,7 +137,7 @@ fn the_whole_spectrum_agrees_with_the_lines() {
     // Modes of lines are compared where there are lines.
     let compared = [&lines, &whole].map(|found| compare_modes(&rig, &found.runs[0]).is_some());
     assert_eq!(compared, [true, false]);
-    check(&whole, &record, [0.05, 0.2, 0.05, 0.05]);
+    check(&whole, &record, TARGETS);
     let (lines, whole) = (&lines.runs[0], &whole.runs[0]);
     let differences = [
         error(&whole.friction_force.values, &lines.friction_force.values),
@@ -146,7 +145,7 @@ fn the_whole_spectrum_agrees_with_the_lines() {
         error(&whole.slip_velocity.values, &lines.slip_velocity.values),
         error(&whole.normal_force.values, &lines.normal_force.values),
     ];
-    for (difference, limit) in differences.iter().zip([0.06, 0.2, 0.065, 0.07]) {
+    for (difference, limit) in differences.iter().zip(TARGETS.map(|t| 2.0 * t)) {
         assert!(*difference < limit, "{differences:?}");
     }
 }
@@ -162,8 +161,8 @@ fn normal_reaction_is_freed_in_records_that_are_not_periodic() {
     let found = solve(&oracle.declared(&SENSORS, NOISE, 6, 0.0), &record);
     assert_eq!(found.runs[0].lines.form, Form::Aperiodic, "{}", found.runs[0].lines.aperiodic_share);
     assert!(found.runs[0].normal_deviates);
-    // Two unknown forces at one end, behind a soft spring, share the noise; slip lacks what is slower than the record.
-    check(&found, &record, [0.1, 0.5, 0.05, 0.05]);
+    // Two unknown forces at one end, behind a soft spring, share the noise of the slow bins.
+    check(&found, &record, [0.1, 0.05, 0.02, 0.02]);
 }
 
 /// From rest, loads swelling within 0.2 s (a step would excite modes beyond the band, which no recorder would let
@@ -177,8 +176,8 @@ fn transient_from_rest_is_solved() {
     let record = recorded(&oracle, &loads, 0.0);
     let found = solve(&oracle.declared(&SENSORS, NOISE, 6, 0.0), &record);
     assert_eq!(found.runs[0].lines.form, Form::Aperiodic, "{}", found.runs[0].lines.aperiodic_share);
-    // The states at the ends and the force at the ends are told apart by the prior alone: the force is worst there.
-    check(&found, &record, [0.1, 0.05, 0.05, 0.05]);
+    // What is slower than the swelling is a friction moment below the noise.
+    check(&found, &record, [0.12, TARGETS[1], TARGETS[2], TARGETS[3]]);
 }
 
 /// A sweep through the first natural frequency, 38 Hz to 54 Hz in the second of the record, friction along with it.
@@ -192,10 +191,10 @@ fn a_sweep_is_solved() {
     let record = recorded(&oracle, &loads, 0.0);
     let found = solve_whole(&oracle.declared(&SENSORS, NOISE, 6, 0.0), &record);
     // The record ends amid the motion, where the force is told from the final state by the prior alone.
-    check(&found, &record, [0.15, 0.05, 0.05, 0.05]);
+    check(&found, &record, [0.04, TARGETS[1], TARGETS[2], TARGETS[3]]);
     let inside = 200..3896;
     let force = error(&found.runs[0].friction_force.values[inside.clone()], &record.friction[inside]);
-    assert!(force < 0.05, "{force}");
+    assert!(force < 0.02, "{force}");
 }
 
 /// A blow of 5 ms (a squared half sine, 20 N) at a tenth of a second, and friction that opposes what it leaves and dies out with it.
@@ -213,7 +212,7 @@ fn a_blow_is_solved() {
     let loads = Loads { exciter: &blow, friction: &rubbing, ..plain() };
     let record = recorded(&oracle, &loads, 0.0);
     let found = solve_whole(&oracle.declared(&SENSORS, NOISE, 6, 0.0), &record);
-    check(&found, &record, [0.1, 0.05, 0.05, 0.05]);
+    check(&found, &record, [0.1, TARGETS[1], TARGETS[2], TARGETS[3]]);
 }
 
 /// The reaction of a support that is not its linear spring becomes an unknown of its own.
@@ -226,4 +225,67 @@ fn normal_reaction_is_freed_where_the_residual_asks() {
     let found = solve(&oracle.declared(&SENSORS, NOISE, 6, 0.0), &record);
     assert!(found.runs[0].normal_deviates);
     check(&found, &record, TARGETS.map(|t| 3.0 * t));
+}
+
+/// A record with something more, and its reconstruction.
+fn with_more(more: &dyn Fn(&mut Record)) -> (Record, Reconstruction) {
+    let oracle = Oracle::new(STIFFNESS, &SENSORS);
+    let mut record = recorded(&oracle, &plain(), 2.5);
+    more(&mut record);
+    let found = solve(&oracle.declared(&SENSORS, NOISE, 6, 0.0), &record);
+    (record, found)
+}
+
+/// A small force between the lines, and a slow one whose accelerations are a few hundredths of the noise's power: the run stays
+/// periodic, what lies beside its lines is balanced too, and friction is closer to the truth than its lines alone.
+#[test]
+fn what_the_contact_does_between_the_lines_is_added() {
+    let oracle = Oracle::new(STIFFNESS, &SENSORS);
+    for (place, size) in [(1.46, 0.5), (0.3, 3.0)] {
+        let more = |t: f64| friction(t) + size * (TAU * FREQUENCY * place * t).cos();
+        let record = recorded(&oracle, &Loads { friction: &more, ..plain() }, 2.5);
+        let found = solve(&oracle.declared(&SENSORS, NOISE, 6, 0.0), &record);
+        let run = &found.runs[0];
+        assert_eq!(run.lines.form, Form::Harmonic, "{}", run.lines.aperiodic_share);
+        assert!(run.notes.iter().any(|note| note.contains("made in the contact")), "{:?}", run.notes);
+        let lines = run.contact.as_ref().unwrap().friction.sample(oracle::RATE, 4096);
+        let [whole, part] = [&run.friction_force.values, &lines].map(|f| error(f, &record.friction));
+        assert!(whole < 0.5 * part, "{whole} {part}");
+        assert!(run.acceleration_error < 1.05 * run.noise_floor);
+    }
+}
+
+/// Hum on one sensor is no contact force: it is left out, said, and counted as the noise it is.
+#[test]
+fn hum_between_the_lines_is_noise() {
+    let hum = |record: &mut Record| {
+        let wave = (0..4096).map(|j| 0.15 * (TAU * 60.0 * j as f64 / oracle::RATE).cos());
+        record.accelerations[2].iter_mut().zip(wave).for_each(|(a, hum)| *a += hum);
+    };
+    let (record, found) = with_more(&hum);
+    let run = &found.runs[0];
+    assert!(
+        run.notes.iter().any(|note| note.contains("no contact force makes; look for hum")),
+        "{:?}",
+        run.notes
+    );
+    assert!(run.acceleration_error < 1.05 * run.noise_floor);
+    check(&found, &record, TARGETS);
+}
+
+/// Harmonics above half the sampling rate that no filter took away: they fold between the lines.
+#[test]
+fn folded_harmonics_are_named() {
+    let folded = |record: &mut Record| {
+        for (s, a) in record.accelerations.iter_mut().enumerate() {
+            for (j, value) in a.iter_mut().enumerate() {
+                let phase = TAU * FREQUENCY * j as f64 / oracle::RATE;
+                let high = (50..60).map(|h| (f64::from(h) * phase + s as f64).cos()).sum::<f64>();
+                *value += 0.04 * high;
+            }
+        }
+    };
+    let (_, found) = with_more(&folded);
+    let notes = &found.runs[0].notes;
+    assert!(notes.iter().any(|note| note.contains("fold at 1 times the sampling rate")), "{notes:?}");
 }

@@ -1,7 +1,7 @@
 //! The rigs of the practice sets, marched and balanced: both against each other, and against what another code recorded.
 
-use super::practice::{ABSENT, folder};
 use crate::case::{Case, Outcome, Row};
+use crate::practice::{ABSENT, folder};
 use anyhow::Context;
 use frettrace_beam::{Boundary, Dof, ModalModel, ModalOptions, UniformBeam};
 use frettrace_forward::hb::{

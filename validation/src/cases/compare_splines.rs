@@ -1,7 +1,7 @@
 //! Splines against cut series, harmonic against subharmonic form, over sets whose truth is known.
 
-use super::practice::{ABSENT, folder, names};
 use crate::case::{Case, Outcome, Row};
+use crate::practice;
 use frettrace::Progress;
 use frettrace::reconstruct::{FormChoice, ReconstructOptions, reconstruct};
 use frettrace_measurement::{DataFile, read_measurement};
@@ -21,9 +21,7 @@ const WAYS: [(&str, FormChoice, bool); 6] = [
 ];
 
 fn run() -> anyhow::Result<Outcome> {
-    let Some(folder) = folder() else {
-        return Ok(Outcome::Skipped(ABSENT.into()));
-    };
+    let Some(folder) = practice::folder() else { return Ok(Outcome::Skipped(practice::ABSENT.into())) };
     let sets = compared(&folder)?;
     let row = |(way, (name, _, _)): (usize, &(&str, FormChoice, bool))| {
         let found = middle(sets.iter().map(|(_, errors)| errors[way]).collect());
@@ -45,7 +43,7 @@ fn run() -> anyhow::Result<Outcome> {
 /// # Errors
 /// Where the sets are absent or cannot be read.
 pub fn table() -> anyhow::Result<String> {
-    let folder = folder().ok_or_else(|| anyhow::anyhow!(ABSENT))?;
+    let folder = practice::folder().ok_or_else(|| anyhow::anyhow!(practice::ABSENT))?;
     let mut text = "| set |".to_owned();
     WAYS.iter().for_each(|(name, _, _)| text += &format!(" {name} |"));
     text += "\n|---|---|---|---|---|---|---|\n";
@@ -59,7 +57,7 @@ pub fn table() -> anyhow::Result<String> {
 
 /// Median error over the runs of each set, for each way.
 fn compared(folder: &Path) -> anyhow::Result<Vec<(String, Vec<f64>)>> {
-    names(folder)
+    practice::names(folder)
         .into_iter()
         .map(|name| {
             let measurement = read_measurement(folder.join(format!("{name}.h5")))?;

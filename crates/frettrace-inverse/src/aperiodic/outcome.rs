@@ -1,7 +1,9 @@
-//! From the solved bins to the contact: force, slip, normal force and fit, without the drift nobody can see.
+//! From the solved bins to the contact: force, slip, normal force and fit, with the errors that bins have in common.
 
-use super::{Round, Whole, drift};
-use crate::balance::LineBalance;
+use super::drift::{Polynomial, Seen, Weighed, levels};
+use super::ends::JUMPS;
+use super::sources::{Common, OUTPUTS, Outputs, Spectra};
+use super::{Round, Whole};
 use crate::contact::{BalanceResidual, ContactHarmonics, RunBalance, SharedErrors};
 use crate::dynamics::Load;
 use faer::Mat;
@@ -9,204 +11,306 @@ use frettrace_fourier::{Harmonics, spectrum};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// Outputs of one bin.
+/// Bins that lose the variance which the drift has instead.
+const SLOW: usize = 4;
+
+/// All of one bin.
 struct Row {
-    values: Vec<Complex64>,
-    /// Variances of the outputs; what the free decays make of those before the sensors is not in it.
-    variances: Vec<f64>,
-    /// Change of each output before the sensors per unit of each free decay.
-    gains: Vec<Vec<Complex64>>,
+    forces: Vec<Complex64>,
+    outputs: Outputs,
+    /// What the outputs would be with what is allowed, less what they are.
+    differences: Outputs,
+    fit: Vec<Complex64>,
+    /// Variances of outputs and fit that no other bin shares, and of the fit as a whole.
+    own: [f64; OUTPUTS],
+    fit_variances: Vec<f64>,
+    residual: Vec<Complex64>,
+    chi_square: f64,
+    led_by_prior: bool,
 }
 
-/// Outputs before the sensors: friction, slip, slip velocity, normal, second support.
-const FIRST_SENSOR: usize = 5;
+/// Outputs of all bins, and what is uncertain of them.
+struct Table {
+    values: Spectra,
+    variances: [Vec<f64>; OUTPUTS],
+    sources: Vec<Spectra>,
+}
 
 impl Whole<'_> {
-    pub(super) fn outcome(&self, round: &Round) -> RunBalance {
-        let sensors = self.setting.dynamics.sensors();
+    /// The outcome of the estimate, with the bands of the round under what is `allowed`.
+    pub(super) fn outcome(&self, round: &Round, allowed: &Round) -> RunBalance {
+        let common = self.common(allowed);
         let line = spectrum(&self.known.contact[0]);
-        let scale = 2.0 / self.samples as f64;
-        let solved: Vec<(Row, Vec<Complex64>, bool)> = round
-            .balances
-            .par_iter()
-            .enumerate()
-            .map(|(k, balance)| {
-                let left = balance.remainder(&self.unexplained(k, &round.amplitudes));
-                // A bin is known where its variance is less than half of its power, that of the lines included.
-                let power = round.priors[0][k] + (line[k + 1] * scale).norm_sqr();
-                let led_by_prior = balance.covariance()[0].re > 0.5 * power;
-                (self.row(k, balance, round), left, led_by_prior)
-            })
+        let rows: Vec<Row> = (0..self.bins.len())
+            .into_par_iter()
+            .map(|k| self.row(k, (round, allowed), line.get(k + 1).copied().unwrap_or_default()))
             .collect();
-        let mut residual = BalanceResidual::default();
-        let mut regularised = Vec::new();
-        let mut rows = Vec::with_capacity(solved.len());
-        for (k, (row, left, led_by_prior)) in solved.into_iter().enumerate() {
-            residual.chi_square.push(2.0 * left.iter().map(Complex64::norm_sqr).sum::<f64>());
-            residual.freedom.push(2 * sensors);
-            residual.whitened.push(left[..sensors].to_vec());
-            regularised.extend(led_by_prior.then_some(k + 1));
-            rows.push(row);
-        }
-        RunBalance { contact: self.contact(&rows, round), residual, regularised }
-    }
-
-    /// Variances of the outputs that a force makes whose drift is as strong as what the record shows of the first bins, its own
-    /// drift left out.
-    fn adrift(&self, round: &Round) -> Vec<f64> {
-        let level = |u: usize| {
-            let zero = std::iter::once(Complex64::ZERO);
-            let still = self.still(zero.chain(round.forces.iter().map(|f| f[u])).collect(), drift::DEGREE);
-            let first = still.iter().skip(1).take(drift::LEVEL);
-            first.map(Complex64::norm_sqr).sum::<f64>() / drift::LEVEL as f64
+        let mut table = Table {
+            values: std::array::from_fn(|o| rows.iter().map(|row| row.outputs[o]).collect()),
+            variances: std::array::from_fn(|o| rows.iter().map(|row| row.own[o]).collect()),
+            sources: self.common_sources(&common),
         };
-        let forces: Vec<Complex64> =
-            (0..self.loads.len()).map(|u| Complex64::from(level(u).sqrt())).collect();
-        self.outputs(0, Complex64::ZERO, &forces).iter().map(Complex64::norm_sqr).collect()
+        self.weigh_drift(&rows, (allowed, &common), &mut table);
+        table.sources.push(std::array::from_fn(|o| rows.iter().map(|row| row.differences[o]).collect()));
+        if !self.known.shared.is_empty() {
+            table.sources.extend(self.structure_sources(allowed, &common));
+        }
+        let residual = BalanceResidual {
+            chi_square: rows.iter().map(|row| row.chi_square).collect(),
+            freedom: vec![2 * self.setting.dynamics.sensors(); rows.len()],
+            whitened: rows.iter().map(|row| row.residual.clone()).collect(),
+        };
+        let regularised = (0..rows.len()).filter(|k| rows[*k].led_by_prior).map(|k| k + 1).collect();
+        RunBalance { contact: self.contact(table, &rows), residual, regularised }
     }
 
-    fn row(&self, k: usize, balance: &LineBalance, round: &Round) -> Row {
-        let mut values = self.outputs(k, self.bins[k].data.force, &round.forces[k]);
-        for (m, amplitude) in round.amplitudes.iter().enumerate() {
-            self.add_decay((k, m), *amplitude, &mut values);
+    /// Forces, and outputs of a bin in one round.
+    fn estimate(&self, k: usize, round: &Round) -> (Vec<Complex64>, Outputs) {
+        let bin = &self.bins[k];
+        let answered = self.forces(k, round).1;
+        let jump = |u: usize, q: usize| round.common[self.jump(u, q)];
+        let mut outputs = self.outputs(&bin.line, bin.exciter, &answered);
+        self.add_jumps(k, &jump, &mut outputs);
+        for (i, (decay, c)) in self.decays.all.iter().zip(&round.common).enumerate() {
+            self.add_motion(i / 2, [decay.displacement[k] * c, decay.velocity[k] * c], &mut outputs);
         }
-        let loads = self.loads.len();
-        let covariance = balance.covariance();
-        let mut variances = vec![0.0; values.len()];
-        for u in 0..loads {
-            // Correlations between two unknown forces matter for their difference only, which is no output.
-            let mut unit = vec![Complex64::ZERO; loads];
-            unit[u] = Complex64::from(covariance[u * loads + u].re.sqrt());
-            let change = self.outputs(k, Complex64::ZERO, &unit);
-            variances.iter_mut().zip(change).for_each(|(v, c)| *v += c.norm_sqr());
-        }
-        let mut gains = self.gains(k, balance, round);
-        for (variance, gain) in variances.iter_mut().zip(&gains).skip(FIRST_SENSOR) {
-            *variance += made(gain, &round.covariance);
-        }
-        gains.truncate(FIRST_SENSOR);
-        Row { values, variances, gains }
+        let ramps = |u: usize| (0..JUMPS).map(|q| self.ramps[q][k] * jump(u, q)).sum::<Complex64>();
+        (answered.iter().enumerate().map(|(u, a)| a + ramps(u)).collect(), outputs)
     }
 
-    /// Change of each output per unit of each free decay, the measurements being given.
-    fn gains(&self, k: usize, balance: &LineBalance, round: &Round) -> Vec<Vec<Complex64>> {
-        let count = round.amplitudes.len();
-        let mut gains = vec![Vec::with_capacity(count); FIRST_SENSOR + self.setting.dynamics.sensors()];
-        for mode in 0..count / 2 {
-            let forces = balance.response(&self.shape(mode));
-            for m in [2 * mode, 2 * mode + 1] {
-                let taken: Vec<Complex64> =
-                    forces.iter().map(|f| -f * self.transients.acceleration(m, k)).collect();
-                let mut change = self.outputs(k, Complex64::ZERO, &taken);
-                self.add_decay((k, m), 1.0, &mut change);
-                gains.iter_mut().zip(change).for_each(|(gain, c)| gain.push(c));
+    /// What contact and free decays make of the accelerations.
+    fn contact_accelerations(&self, k: usize, (round, answered): (&Round, &[Complex64])) -> Vec<Complex64> {
+        let line = &self.bins[k].line;
+        let decays = self.decays.all.iter().zip(&round.common).enumerate();
+        let free: Vec<(usize, Complex64)> =
+            decays.map(|(i, (decay, c))| (i / 2, decay.acceleration[k] * c)).collect();
+        (0..self.setting.dynamics.sensors())
+            .map(|s| {
+                let loads = self.loads.iter().zip(answered);
+                let made: Complex64 = loads.map(|(load, f)| line.acceleration(s, *load) * f).sum();
+                let shape = |n: usize| self.setting.dynamics.sensor_shape(n, s);
+                made + free.iter().map(|(n, a)| a * shape(*n)).sum::<Complex64>()
+            })
+            .collect()
+    }
+
+    fn row(&self, k: usize, (round, allowed): (&Round, &Round), line: Complex64) -> Row {
+        let bin = &self.bins[k];
+        let (held, answered) = self.forces(k, round);
+        let contact = self.contact_accelerations(k, (round, &answered));
+        let left = bin.measured.iter().zip(&contact).zip(&bin.weights);
+        let residual: Vec<Complex64> = left.map(|((y, a), w)| (y - a) * w.sqrt()).collect();
+        let prior = held.iter().zip(&round.priors).map(|(h, p)| h.norm_sqr() / p[k]);
+        let chi_square = residual.iter().map(Complex64::norm_sqr).chain(prior).sum::<f64>() * 2.0;
+        let scale = 2.0 / self.record.samples as f64;
+        // A bin is known where its variance is less than half of its power, that of the lines included.
+        let power = allowed.priors[0][k] + (line * scale).norm_sqr();
+        let exciter = |s: usize| bin.line.acceleration(s, Load::Exciter) * bin.exciter;
+        let (forces, outputs) = self.estimate(k, round);
+        let other = self.estimate(k, allowed).1;
+        Row {
+            forces,
+            differences: std::array::from_fn(|o| other[o] - outputs[o]),
+            outputs,
+            fit: contact.iter().enumerate().map(|(s, a)| a + exciter(s)).collect(),
+            own: self.own_variances(k, allowed),
+            fit_variances: self.fit_variances(k, allowed),
+            led_by_prior: allowed.solved[k].covariance[0].re > 0.5 * power,
+            residual,
+            chi_square,
+        }
+    }
+
+    /// Variances of the outputs from the forces' own covariance `K`, the common unknowns being given.
+    fn own_variances(&self, k: usize, round: &Round) -> [f64; OUTPUTS] {
+        let n = self.loads.len();
+        let covariance = &round.solved[k].covariance;
+        let unit = |u: usize| -> Vec<Complex64> {
+            (0..n).map(|i| Complex64::from(if i == u { 1.0 } else { 0.0 })).collect()
+        };
+        let gains: Vec<_> =
+            (0..n).map(|u| self.outputs(&self.bins[k].line, Complex64::ZERO, &unit(u))).collect();
+        std::array::from_fn(|o| {
+            (0..n * n)
+                .map(|e| (gains[e / n][o] * covariance[e] * gains[e % n][o].conj()).re)
+                .sum::<f64>()
+                .max(0.0)
+        })
+    }
+
+    /// Variances of the fitted accelerations. Both decays of a mode have its shape: a common unknown moves the fit by what the forces
+    /// leave of its vector, so that products are formed of vectors and scaled.
+    fn fit_variances(&self, k: usize, round: &Round) -> Vec<f64> {
+        let (bin, solved, columns) = (&self.bins[k], &round.solved[k], self.columns(k, &round.jumps));
+        let (size, loads) = (bin.size(), self.loads.len());
+        let mut covariance = vec![Complex64::ZERO; size * size];
+        for (i, (a, x)) in columns.iter().enumerate() {
+            for (j, (b, y)) in columns.iter().enumerate() {
+                covariance[a * size + b] += x * y.conj() * round.covariance[(i, j)];
             }
         }
-        gains
+        let made = |s: usize, u: usize| bin.line.acceleration(s, self.loads[u]);
+        let variance = |s: usize| {
+            let left = |d: usize| -> Complex64 {
+                let vector = match d.checked_sub(self.record.modes) {
+                    Some(load) => made(s, load),
+                    None => Complex64::from(self.setting.dynamics.sensor_shape(d, s)),
+                };
+                vector - (0..loads).map(|u| made(s, u) * solved.taken(u, d)).sum::<Complex64>()
+            };
+            let moved: Vec<Complex64> = (0..size).map(left).collect();
+            let common: f64 =
+                (0..size * size).map(|e| (moved[e / size] * covariance[e] * moved[e % size].conj()).re).sum();
+            let own: f64 = (0..loads * loads)
+                .map(|e| (made(s, e / loads) * solved.covariance[e] * made(s, e % loads).conj()).re)
+                .sum();
+            (common + own).max(0.0)
+        };
+        (0..self.setting.dynamics.sensors()).map(variance).collect()
     }
 
-    /// All outputs of a bin for given forces; they are linear in them.
-    fn outputs(&self, k: usize, exciter: Complex64, forces: &[Complex64]) -> Vec<Complex64> {
-        let line = &self.bins[k].line;
-        let dynamics = self.setting.dynamics;
-        let sum = |response: &dyn Fn(Load) -> Complex64| {
-            response(Load::Exciter) * exciter
-                + self.loads.iter().zip(forces).map(|(l, f)| response(*l) * f).sum::<Complex64>()
+    /// The common unknowns' errors as independent sources.
+    fn common_sources(&self, common: &Common) -> Vec<Spectra> {
+        let sources = 0..common.root.ncols();
+        let along = |s: usize, o: usize| -> Vec<Complex64> {
+            (0..self.bins.len())
+                .map(|k| {
+                    let gains = common.outputs.iter().enumerate();
+                    gains.map(|(i, gain)| gain[o][k] * common.root[(i, s)]).sum()
+                })
+                .collect()
         };
-        let own = |wanted: Load| {
-            self.loads.iter().zip(forces).find(|(l, _)| **l == wanted).map_or(Complex64::ZERO, |(_, f)| *f)
-        };
-        let (slip, end) = (sum(&|l| line.slip(l)), sum(&|l| line.end(l)));
-        let velocity = slip * Complex64::new(0.0, line.omega());
-        let normal = own(Load::NormalDeviation) - end * self.setting.normal_stiffness;
-        let mut outputs = vec![own(Load::Friction), slip, velocity, normal, own(Load::SecondSupport)];
-        outputs.extend((0..dynamics.sensors()).map(|s| sum(&|l| line.acceleration(s, l))));
-        outputs
+        sources.into_par_iter().map(|s| std::array::from_fn(|o| along(s, o))).collect()
     }
 
-    /// Adds the motion of the free decay `m` in bin `k` to the outputs. A decay ends elsewhere than it began: its velocity is a
-    /// spectrum of its own, not iω times its displacement.
-    fn add_decay(&self, (k, m): (usize, usize), amplitude: f64, outputs: &mut [Complex64]) {
-        let dynamics = self.setting.dynamics;
-        let mode = self.transients.mode(m);
-        let [slip_shape, end_shape] = dynamics.contact_shape(mode);
-        let motion = self.transients.displacement(m, k) * amplitude;
-        outputs[1] += motion * slip_shape;
-        outputs[2] += self.transients.velocity(m, k) * (amplitude * slip_shape);
-        outputs[3] -= motion * (end_shape * self.setting.normal_stiffness);
-        let acceleration = self.transients.acceleration(m, k) * amplitude;
-        for (s, output) in outputs[FIRST_SENSOR..].iter_mut().enumerate() {
-            *output += acceleration * dynamics.sensor_shape(mode, s);
+    /// The structure's errors, what the lines have of each put to what the bins have.
+    fn structure_sources(&self, round: &Round, common: &Common) -> Vec<Spectra> {
+        let mut sources = self.structure(round, common);
+        for (source, known) in sources.iter_mut().zip(&self.known.shared) {
+            for (bins, samples) in source.iter_mut().zip(known) {
+                self.put(bins, samples);
+            }
+        }
+        sources
+    }
+
+    /// Adds samples to amplitudes; none where there are no samples.
+    fn put(&self, bins: &mut [Complex64], samples: &[f64]) {
+        if !samples.is_empty() {
+            bins.iter_mut().zip(self.record.amplitudes(samples)).for_each(|(bin, more)| *bin += more);
         }
     }
 
-    /// Harmonics of all outputs, what was known put back; contact force, slip and normal force without their drift.
-    fn contact(&self, rows: &[Row], round: &Round) -> ContactHarmonics {
-        let adrift = self.adrift(round);
-        let harmonics = |o: usize| {
-            let zero = std::iter::once(Complex64::ZERO);
-            let coefficients = zero.chain(rows.iter().map(|r| r.values[o])).collect();
-            let variance = std::iter::once(0.0).chain(rows.iter().map(|r| r.variances[o])).collect();
-            Harmonics { base: self.base, coefficients, variance }
-        };
-        let still = |o: usize, degree: usize| {
-            let mut found = harmonics(o);
-            found.coefficients = self.still(found.coefficients, degree);
-            self.add_decays(rows, (o, degree), &round.covariance, &mut found.variance);
-            found.variance.iter_mut().skip(1).take(degree / 2).for_each(|v| *v = adrift[o]);
-            self.with(found, &self.known.contact[o])
-        };
-        ContactHarmonics {
-            friction: still(0, drift::DEGREE),
-            slip: still(1, drift::DEGREE),
-            slip_velocity: still(2, drift::DEGREE - 1),
-            normal: still(3, drift::DEGREE),
-            second_support: self.loads.contains(&Load::SecondSupport).then(|| still(4, drift::DEGREE)),
-            acceleration_fit: (0..self.setting.dynamics.sensors())
-                .map(|s| self.with(harmonics(FIRST_SENSOR + s), &self.known.accelerations[s]))
-                .collect(),
-            shared: SharedErrors::default(),
-        }
-    }
-
-    /// Adds what the uncertain free decays make of an output, its drift left out: that is the largest part of it, for a decay is
-    /// hard to tell from a force whose second derivative is one.
-    fn add_decays(
-        &self,
-        rows: &[Row],
-        (o, degree): (usize, usize),
-        covariance: &Mat<f64>,
-        variance: &mut [f64],
-    ) {
-        let series: Vec<Vec<Complex64>> = (0..covariance.nrows())
-            .into_par_iter()
-            .map(|m| {
-                let zero = std::iter::once(Complex64::ZERO);
-                self.still(zero.chain(rows.iter().map(|row| row.gains[o][m])).collect(), degree)
+    /// Weighs the drift of the forces against its level; what is taken out is taken out of all outputs.
+    fn weigh_drift(&self, rows: &[Row], (round, common): (&Round, &Common), table: &mut Table) {
+        let loads = self.loads.len();
+        let polynomials = Polynomial::all(self.record.rate, self.record.samples);
+        let forces: Vec<Vec<Complex64>> =
+            (0..loads).map(|u| rows.iter().map(|row| row.forces[u]).collect()).collect();
+        let seen: Vec<Seen> = forces
+            .iter()
+            .enumerate()
+            .map(|(u, force)| Seen {
+                still: self.without_drift(force, &polynomials),
+                left: round.solved.iter().map(|s| s.covariance[u * loads + u].re).collect(),
+                free: self.bins.iter().map(|bin| bin.variances[u]).collect(),
             })
             .collect();
-        for (k, variance) in variance.iter_mut().enumerate().skip(1) {
-            let gain: Vec<Complex64> = series.iter().map(|s| s[k]).collect();
-            *variance += made(&gain, covariance);
+        for polynomial in &polynomials {
+            let content: Vec<f64> = forces.iter().map(|force| polynomial.of(force)).collect();
+            let contents = Mat::from_fn(loads, common.root.ncols(), |u, s| {
+                let moved = common.forces.iter().enumerate();
+                moved.map(|(i, forces)| polynomial.of(&forces[u]) * common.root[(i, s)]).sum::<f64>()
+            });
+            let own = Mat::from_fn(loads, loads, |u, v| {
+                polynomial.of_independent(round.solved.iter().map(|s| s.covariance[u * loads + v].re))
+            });
+            let known = &contents * contents.transpose() + &own;
+            let weighed = Weighed::new(&known, &levels(polynomial, &seen));
+            let taken = |u: usize| (0..loads).map(|v| weighed.share[(u, v)] * content[v]).sum::<f64>();
+            self.add_drift(&mut table.values, polynomial, &|u| -taken(u));
+            for (s, source) in table.sources.iter_mut().enumerate().take(common.root.ncols()) {
+                self.add_drift(source, polynomial, &|u| -contents[(u, s)]);
+            }
+            self.lose(&own, &mut table.variances);
+            for p in 0..loads {
+                let mut source: Spectra = std::array::from_fn(|_| vec![Complex64::ZERO; rows.len()]);
+                self.add_drift(&mut source, polynomial, &|u| weighed.root[(u, p)]);
+                table.sources.push(source);
+            }
         }
     }
 
-    /// Adds samples, their mean left out.
-    fn with(&self, mut harmonics: Harmonics, samples: &[f64]) -> Harmonics {
-        let scale = 2.0 / self.samples as f64;
-        let bins = spectrum(samples);
-        harmonics.coefficients.iter_mut().zip(&bins).skip(1).for_each(|(c, bin)| *c += bin * scale);
-        harmonics
+    /// Samples of a force without its drift.
+    fn without_drift(&self, force: &[Complex64], polynomials: &[Polynomial]) -> Vec<f64> {
+        let mut bins = vec![Complex64::ZERO; force.len() + 1];
+        bins[1..].copy_from_slice(force);
+        for polynomial in polynomials {
+            let content = polynomial.of(force);
+            bins[1..].iter_mut().zip(&polynomial.bins).for_each(|(bin, p)| *bin -= p * content);
+        }
+        Harmonics::exact(self.base, bins).sample(self.record.rate, self.record.samples)
     }
-}
 
-/// Variance that uncertain amplitudes make with given gains: `Σ g_mᴴ C_mq g_q`.
-fn made(gain: &[Complex64], covariance: &Mat<f64>) -> f64 {
-    let mut sum = 0.0;
-    for (m, g) in gain.iter().enumerate() {
-        let others = gain.iter().enumerate().skip(m + 1);
-        let along: f64 = others.map(|(q, o)| covariance[(m, q)] * (g.re * o.re + g.im * o.im)).sum();
-        sum += covariance[(m, m)] * g.norm_sqr() + 2.0 * along;
+    /// Adds a polynomial in the forces to outputs, so much for each load.
+    fn add_drift(&self, outputs: &mut Spectra, polynomial: &Polynomial, size: &dyn Fn(usize) -> f64) {
+        let sum = |o: usize| (0..self.loads.len()).map(|u| self.slow[u].gain[o] * size(u)).sum::<f64>();
+        for (o, output) in outputs.iter_mut().enumerate() {
+            // The velocity is that of the slip.
+            let (shape, gain) = if o == 2 { (&polynomial.slope, sum(1)) } else { (&polynomial.bins, sum(o)) };
+            output.iter_mut().zip(shape).for_each(|(value, p)| *value += p * gain);
+        }
     }
-    sum.max(0.0)
+
+    /// Takes the drift's share, of the covariance given in the forces, off the variances of the first bins: it is a source now.
+    fn lose(&self, own: &Mat<f64>, variances: &mut [Vec<f64>; OUTPUTS]) {
+        let loads = self.loads.len();
+        for (o, variances) in variances.iter_mut().enumerate() {
+            let gain = |u: usize| self.slow[u].gain[o];
+            let share: f64 = (0..loads * loads)
+                .map(|e| gain(e / loads) * own[(e / loads, e % loads)] * gain(e % loads))
+                .sum();
+            let first = &mut variances[..SLOW.min(self.bins.len())];
+            let sum = 0.5 * first.iter().sum::<f64>();
+            let kept = if sum > 0.0 { (1.0 - share / sum).clamp(0.0, 1.0) } else { 1.0 };
+            first.iter_mut().for_each(|v| *v *= kept);
+        }
+    }
+
+    /// Harmonics of all outputs, what was known put back.
+    fn contact(&self, mut table: Table, rows: &[Row]) -> ContactHarmonics {
+        for (values, known) in table.values.iter_mut().zip(&self.known.contact) {
+            self.put(values, known);
+        }
+        let with_mean = |mut bins: Vec<Complex64>| {
+            bins.insert(0, Complex64::ZERO);
+            bins
+        };
+        let mut shared: [Vec<Vec<Complex64>>; OUTPUTS] = Default::default();
+        for source in table.sources {
+            for (o, bins) in source.into_iter().enumerate() {
+                let variances = table.variances[o].iter_mut().zip(&bins);
+                variances.for_each(|(variance, bin)| *variance += bin.norm_sqr());
+                shared[o].push(with_mean(bins));
+            }
+        }
+        let harmonics = |coefficients: Vec<Complex64>, variances: Vec<f64>| Harmonics {
+            base: self.base,
+            coefficients: with_mean(coefficients),
+            variance: std::iter::once(0.0).chain(variances).collect(),
+        };
+        let fit = |s: usize| {
+            let mut values: Vec<Complex64> = rows.iter().map(|row| row.fit[s]).collect();
+            self.put(&mut values, self.known.accelerations.get(s).map_or(&[], Vec::as_slice));
+            harmonics(values, rows.iter().map(|row| row.fit_variances[s]).collect())
+        };
+        let acceleration_fit = (0..self.setting.dynamics.sensors()).map(fit).collect();
+        let [friction, slip, velocity, normal, second] = shared;
+        let mut outputs = table.values.into_iter().zip(table.variances).map(|(v, var)| harmonics(v, var));
+        let mut next = || outputs.next().unwrap_or_else(|| Harmonics::exact(self.base, Vec::new()));
+        let shared = SharedErrors { friction, slip, slip_velocity: velocity, normal, second_support: second };
+        let [friction, slip, slip_velocity, normal, second] = std::array::from_fn(|_| next());
+        let second_support = self.loads.contains(&Load::SecondSupport).then_some(second);
+        ContactHarmonics { friction, slip, slip_velocity, normal, second_support, acceleration_fit, shared }
+    }
 }

@@ -8,7 +8,7 @@ use num_complex::Complex64;
 
 /// Standard deviation of the flexibility beyond the beam theory, as a share of what the theory gives: a rigid contact (none of
 /// it) and one with as much again from shear and local deformation lie two standard deviations off.
-const COMPLIANCE_DOUBT: f64 = 0.5;
+pub(crate) const COMPLIANCE_DOUBT: f64 = 0.5;
 
 /// Outputs of one line and how they move with everything that is uncertain.
 pub(super) struct Outputs<'a> {

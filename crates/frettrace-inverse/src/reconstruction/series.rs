@@ -1,16 +1,27 @@
 //! Time series of the result.
 
-use crate::RunData;
-use frettrace_fourier::{Grid, Harmonics};
+use crate::contact::ContactHarmonics;
+use crate::{RunData, RunLines};
+use frettrace_fourier::{Grid, Harmonics, Sampler};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// When samples are taken, and how well the base frequency is known (rad/s); 0 where lines are bins of the record.
-#[derive(Clone, Copy, Debug)]
+/// When samples are taken, and how well the base frequency is known.
 pub(crate) struct Times {
-    pub(crate) rate: f64,
-    pub(crate) samples: usize,
-    pub(crate) frequency_std: f64,
+    rate: f64,
+    samples: usize,
+    /// Standard deviation of the base frequency (rad/s); 0 where lines are bins of the record.
+    frequency_std: f64,
+    sampler: Sampler,
+}
+
+impl Times {
+    /// Times of the record of some lines, for harmonics like the given ones.
+    pub(crate) fn new(lines: &RunLines, frequency_std: f64, like: &Harmonics) -> Self {
+        let record = (lines.sampling_rate, lines.samples);
+        let sampler = Sampler::new(like.base, like.order(), record);
+        Self { rate: record.0, samples: record.1, frequency_std, sampler }
+    }
 }
 
 /// A time series with its standard deviation, one value a sample.
@@ -29,24 +40,35 @@ impl Channel {
     /// times. Errors that lines share, `g_p(t)`, add `Σ_p g_p(t)²`. An error of the base frequency turns the signal about the
     /// middle of the record: `δx(t) = δΩ/Ω · (t − T/2) ẋ(t)`.
     pub(crate) fn from_harmonics(harmonics: &Harmonics, shared: &[Vec<Complex64>], times: &Times) -> Self {
-        let Times { rate, samples, frequency_std } = *times;
+        let Times { rate, samples, frequency_std, ref sampler } = *times;
+        let values = sampler.sample(&harmonics.coefficients);
         let total = 0.5 * harmonics.variance.iter().sum::<f64>();
-        let (variance, breathing) = split(total, shared);
+        // The lines of a record that has no period are its own bins.
+        let own = (harmonics.base * samples as f64 - TAU * rate).abs() < 1e-9 * TAU * rate;
+        let grid = own.then_some(samples);
+        let (variance, breathing) = split(total, shared, grid);
+        let mut std = vec![variance; samples];
+        add_over_periods(&breathing, harmonics.base / (TAU * rate), &mut std);
         let turn = if harmonics.base > 0.0 { frequency_std / harmonics.base } else { 0.0 };
         let middle = 0.5 * (samples as f64 - 1.0) / rate;
         let derivative = harmonics.derivative();
         // At the ends of the record, where the turn matters most.
-        let turned = (turn * middle * derivative.rms()).powi(2);
-        let slope =
-            if turned > NEGLIGIBLE * total { derivative.sample(rate, samples) } else { vec![0.0; samples] };
-        let std = (0..samples)
-            .map(|j| {
-                let t = j as f64 / rate;
-                let drift = turn * (t - middle) * slope[j];
-                (variance + at_phase(&breathing, harmonics.base * t) + drift * drift).sqrt()
-            })
-            .collect();
-        Self { values: harmonics.sample(rate, samples), std }
+        if (turn * middle * derivative.rms()).powi(2) > NEGLIGIBLE * total {
+            let slope = sampler.sample(&derivative.coefficients);
+            for (j, (variance, slope)) in std.iter_mut().zip(slope).enumerate() {
+                *variance += (turn * (j as f64 / rate - middle) * slope).powi(2);
+            }
+        }
+        std.iter_mut().for_each(|variance| *variance = variance.sqrt());
+        Self { values, std }
+    }
+
+    /// The same with what is independent of it added.
+    #[must_use]
+    pub(crate) fn with(mut self, other: &Self) -> Self {
+        self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += b);
+        self.std.iter_mut().zip(&other.std).for_each(|(a, b)| *a = a.hypot(*b));
+        self
     }
 
     /// The same, moved by a constant.
@@ -57,15 +79,58 @@ impl Channel {
     }
 }
 
+/// Time series of a contact.
+pub(crate) struct Series {
+    pub(crate) friction: Channel,
+    pub(crate) slip: Channel,
+    pub(crate) slip_velocity: Channel,
+    pub(crate) normal: Channel,
+    pub(crate) second_support: Option<Channel>,
+    pub(crate) acceleration_fit: Vec<Channel>,
+}
+
+impl Series {
+    /// Samples of what was recovered.
+    pub(crate) fn of(contact: &ContactHarmonics, times: &Times) -> Self {
+        let series = |harmonics, shared: &[_]| Channel::from_harmonics(harmonics, shared, times);
+        let shared = &contact.shared;
+        let second = contact.second_support.as_ref();
+        Self {
+            friction: series(&contact.friction, &shared.friction),
+            slip: series(&contact.slip, &shared.slip),
+            slip_velocity: series(&contact.slip_velocity, &shared.slip_velocity),
+            normal: series(&contact.normal, &shared.normal),
+            second_support: second.map(|second| series(second, &shared.second_support)),
+            acceleration_fit: contact.acceleration_fit.iter().map(|a| series(a, &[])).collect(),
+        }
+    }
+
+    /// The same with what is independent of it added.
+    pub(crate) fn with(self, other: &Self) -> Self {
+        let fits = self.acceleration_fit.into_iter().zip(&other.acceleration_fit);
+        Self {
+            friction: self.friction.with(&other.friction),
+            slip: self.slip.with(&other.slip),
+            slip_velocity: self.slip_velocity.with(&other.slip_velocity),
+            normal: self.normal.with(&other.normal),
+            second_support: self
+                .second_support
+                .map(|own| other.second_support.as_ref().map_or(own.clone(), |more| own.with(more))),
+            acceleration_fit: fits.map(|(own, more)| own.with(more)).collect(),
+        }
+    }
+}
+
 /// Share of the total variance below which a shared error is counted as an independent one.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// Splits a total variance into the part that does not depend on time, and that of the shared errors over one period.
-fn split(total: f64, shared: &[Vec<Complex64>]) -> (f64, Vec<f64>) {
+/// Splits a total variance into the part that does not depend on time, and that of the shared errors over one period, at so many
+/// places of it.
+fn split(total: f64, shared: &[Vec<Complex64>], places: Option<usize>) -> (f64, Vec<f64>) {
     let power = |source: &[Complex64]| 0.5 * source.iter().map(Complex64::norm_sqr).sum::<f64>();
     let strong: Vec<&Vec<Complex64>> = shared.iter().filter(|s| power(s) > NEGLIGIBLE * total).collect();
     let order = strong.first().map_or(0, |source| source.len() - 1);
-    let samples = (8 * order).max(1).next_power_of_two();
+    let samples = places.unwrap_or((8 * order).max(1).next_power_of_two());
     let Ok(grid) = Grid::new(order, samples) else { return (total, Vec::new()) };
     let mut scratch = grid.scratch();
     let (mut sum, mut one) = (vec![0.0; samples], vec![0.0; samples]);
@@ -78,14 +143,19 @@ fn split(total: f64, shared: &[Vec<Complex64>]) -> (f64, Vec<f64>) {
     (left.max(0.0), sum)
 }
 
-/// Value of samples over one period at a phase (rad), linear between them; 0 without samples.
-fn at_phase(samples: &[f64], phase: f64) -> f64 {
-    if samples.len() < 2 {
-        return 0.0;
+/// Adds samples over one period, linear between them, to samples that advance by so many periods each; nothing where there are none.
+fn add_over_periods(period: &[f64], advance: f64, to: &mut [f64]) {
+    let count = period.len();
+    if count < 2 {
+        return;
     }
-    let place = (phase / TAU).rem_euclid(1.0) * samples.len() as f64;
-    let (first, share) = (place as usize % samples.len(), place.fract());
-    samples[first] * (1.0 - share) + samples[(first + 1) % samples.len()] * share
+    let step = advance * count as f64;
+    for (j, value) in to.iter_mut().enumerate() {
+        let place = j as f64 * step;
+        let (first, share) = (place as usize % count, place.fract());
+        let next = if first + 1 == count { 0 } else { first + 1 };
+        *value += period[first] * (1.0 - share) + period[next] * share;
+    }
 }
 
 /// Relative root mean square of measured less fitted acceleration over all sensors, means removed; and of noise alone.

@@ -1,11 +1,14 @@
-//! Runs that are not periodic.
+//! Runs that are not periodic, and what periodic runs hold beside their lines.
 
 use super::{answered, asks, with_normal_reaction};
-use crate::aperiodic::{self, Known};
+use crate::analysis::bands;
+use crate::aperiodic::{self, Known, Left};
 use crate::calibration::Equations;
 use crate::contact::{RunBalance, Setting};
 use crate::dynamics::Load;
 use crate::{Rig, RunData};
+use frettrace_fourier::{Harmonics, spectrum};
+use std::f64::consts::TAU;
 
 /// Balance over the whole spectrum, and the loads it was made with: with the normal reaction free where the residual asks for it.
 pub(super) fn solve(
@@ -16,9 +19,10 @@ pub(super) fn solve(
 ) -> (RunBalance, Vec<Load>) {
     let lines = equations.lines;
     let balance = |loads: &[Load]| {
-        let periodic = setting.balance(&Equations::new(lines, loads.to_vec()));
+        let periodic = setting.balance(&equations.with_loads(loads.to_vec()));
         let known = Known::solved(lines, &periodic.contact);
-        aperiodic::solve(setting, run, (lines, &known), loads)
+        let left = known.taken_off(run, &lines.noise_std);
+        aperiodic::solve(setting, &left, (&known, equations.share), loads)
     };
     let bound = balance(&equations.loads);
     let more = with_normal_reaction(rig, &equations.loads).filter(|_| asks(bound.residual.reduced()));
@@ -29,4 +33,85 @@ pub(super) fn solve(
         }
     }
     (bound, equations.loads.clone())
+}
+
+/// What a periodic run holds beside its lines.
+pub(super) enum Beside {
+    /// Noise.
+    Nothing,
+    /// Forces in the contact.
+    Contact(Box<RunBalance>),
+    /// Something that no contact force makes.
+    Foreign(Foreign),
+}
+
+/// Accelerations between the lines that no contact force makes.
+pub(super) struct Foreign {
+    /// Their power over that of the noise.
+    power: f64,
+    /// At how many times the sampling rate the lines fold, and their share of what exceeds the noise; where they do.
+    folded: Option<(usize, f64)>,
+}
+
+/// What the lines of a periodic run leave, where that is more than noise: balanced over the whole spectrum where that explains it.
+pub(super) fn beside_lines(setting: &Setting<'_>, equations: &Equations<'_>) -> Beside {
+    let Some(rest) = equations.lines.rest.as_ref() else { return Beside::Nothing };
+    if rest.accelerations.len() > equations.loads.len() {
+        let known = Known::default();
+        let found = aperiodic::solve(setting, rest, (&known, equations.share), &equations.loads);
+        let sampled = |a: &Harmonics| a.sample(rest.rate, rest.force.len());
+        let fitted: Vec<Vec<f64>> = found.contact.acceleration_fit.iter().map(sampled).collect();
+        if bands::is_explained(&rest.excesses(&[]), &rest.excesses(&fitted)) {
+            return Beside::Contact(Box::new(found));
+        }
+    }
+    let excitation = equations.lines.frequency.base * equations.lines.subharmonic_order as f64;
+    Beside::Foreign(Foreign { power: rest.power(), folded: folded(rest, excitation) })
+}
+
+/// Multiples of the sampling rate at which lines may have folded: that of the recorder, and those of a finer record that was thinned.
+const RATES: usize = 8;
+/// Share of what exceeds the noise that folded lines must hold.
+const FOLDED: f64 = 0.5;
+
+/// Whether harmonics of the excitation (rad/s) beyond half of `m` times the sampling rate fold into the band: they lie at the distance
+/// `m f_s mod f` from its lines, on either side. At how many times, and their share of what exceeds the noise.
+fn folded(rest: &Left, excitation: f64) -> Option<(usize, f64)> {
+    let samples = rest.force.len();
+    let line = excitation / TAU * samples as f64 / rest.rate;
+    let mut power = vec![-1.0; samples / 2 + 1];
+    for (a, noise) in rest.accelerations.iter().zip(&rest.noise_std) {
+        let unit = samples as f64 * noise * noise * rest.accelerations.len() as f64;
+        power.iter_mut().zip(spectrum(a)).for_each(|(sum, bin)| *sum += bin.norm_sqr() / unit);
+    }
+    let total: f64 = power.iter().skip(1).sum();
+    let share = |rate: usize| {
+        let apart = (rate * samples) as f64 % line;
+        let near = |k: usize| [apart, line - apart].iter().any(|d| (k as f64 % line - d).abs() < 1.5);
+        // Where they would fall on the lines themselves nothing can be told.
+        let told = apart.min(line - apart) > 3.0;
+        if told { (1..power.len()).filter(|k| near(*k)).map(|k| power[k]).sum::<f64>() / total } else { 0.0 }
+    };
+    (1..=RATES)
+        .map(|rate| (rate, share(rate)))
+        .max_by(|a, b| a.1.total_cmp(&b.1))
+        .filter(|(_, share)| *share > FOLDED)
+}
+
+impl std::fmt::Display for Foreign {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let level = self.power.sqrt();
+        write!(
+            out,
+            "between the lines the accelerations hold {level:.2} times their noise, which no contact force makes"
+        )?;
+        match self.folded {
+            Some((rate, share)) => write!(
+                out,
+                ": {:.0} % of it are harmonics of the excitation that fold at {rate} times the sampling rate; sample finer or filter before",
+                100.0 * share
+            ),
+            None => write!(out, "; look for hum, a loose sensor or another machine"),
+        }
+    }
 }

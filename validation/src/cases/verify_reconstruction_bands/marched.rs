@@ -31,6 +31,15 @@ pub struct Draw {
     pub noise: f64,
 }
 
+/// Whether the friction force has a period.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// That of the excitation.
+    Periodic,
+    /// None: a broad spectrum beside the lines of the excitation, down to motions slower than the record.
+    Wandering,
+}
+
 /// What was recorded, and the truth.
 pub struct Record {
     pub rig: Rig,
@@ -59,7 +68,7 @@ impl Record {
 ///
 /// # Errors
 /// [`BeamError`] where the beam cannot be computed.
-pub fn record(seed: u64) -> Result<(Draw, Record), BeamError> {
+pub fn record(seed: u64, motion: Motion) -> Result<(Draw, Record), BeamError> {
     let mut random = Pcg64::seed_from_u64(seed);
     let draw = Draw {
         sensors: random.random_range(3..=8),
@@ -67,7 +76,12 @@ pub fn record(seed: u64) -> Result<(Draw, Record), BeamError> {
         noise: 10.0_f64.powf(random.random_range(-3.0..-1.3)),
     };
     let marched = Marched::new(&draw, &mut random)?;
-    let mut record = marched.march(&mut random)?;
+    let wander = match motion {
+        Motion::Periodic => Vec::new(),
+        // Numbers of its own: the rig is that of the periodic record.
+        Motion::Wandering => wander(&mut Pcg64::seed_from_u64(!seed)),
+    };
+    let mut record = marched.march(wander, &mut random)?;
     let power: f64 = record.accelerations.iter().flatten().map(|a| a * a).sum();
     let noise = draw.noise * (power / (draw.sensors * SAMPLES) as f64).sqrt();
     for value in record.accelerations.iter_mut().flatten() {
@@ -164,10 +178,10 @@ impl Marched {
         Ok(0.5 * drawn * self.lever * self.lever * model.residual(end, end))
     }
 
-    fn march(&self, random: &mut Pcg64) -> Result<Record, BeamError> {
+    fn march(&self, wander: Vec<Wave>, random: &mut Pcg64) -> Result<Record, BeamError> {
         let frequency = self.frequency[0] / TAU * random.random_range(0.95..1.35);
         let size = 20.0 * random.random_range(0.5..2.0);
-        let forces = Forces { frequency, size };
+        let forces = Forces { frequency, size, wander };
         let compliance = self.extra_compliance(random)?;
         let mut record = Record {
             rig: self.declared(random)?,
@@ -207,7 +221,7 @@ impl Marched {
     }
 
     fn write(&self, forces: &Forces, t: f64, state: &[(f64, f64)], compliance: f64, record: &mut Record) {
-        let (now, slope) = (forces.at(t), forces.slope(t));
+        let (now, slope, bend) = (forces.at(t), forces.slope(t), forces.bend(t));
         let slip = &self.rows[self.rows.len() - 1];
         let (mut u, mut v) = (-compliance * now[1], -compliance * slope[1]);
         let mut a = vec![0.0; self.sensors.len()];
@@ -219,10 +233,13 @@ impl Marched {
                 .unwrap_or_else(|| (self.load(now, n) / square, self.load(slope, n) / square));
             u += slip[n] * q;
             v += slip[n] * rate;
-            if n < state.len() {
-                let acceleration = self.load(now, n) - 2.0 * self.damping * w * rate - square * q;
-                a.iter_mut().zip(&self.rows).for_each(|(a, row)| *a += row[n] * acceleration);
-            }
+            // Modes without inertia follow the force, accelerations too: what they add is small, and all that tells some structures.
+            let acceleration = if n < state.len() {
+                self.load(now, n) - 2.0 * self.damping * w * rate - square * q
+            } else {
+                self.load(bend, n) / square
+            };
+            a.iter_mut().zip(&self.rows).for_each(|(a, row)| *a += row[n] * acceleration);
         }
         record.accelerations.iter_mut().zip(a).for_each(|(channel, a)| channel.push(a));
         record.force.push(now[0]);
@@ -232,17 +249,40 @@ impl Marched {
     }
 }
 
+/// A share of the friction force besides the periodic one: amplitude, frequency over that of the excitation, phase.
+type Wave = (f64, f64, f64);
+
+/// Waves of a force without period.
+const WAVES: usize = 40;
+
+/// A force without period: waves evenly spread over the logarithm of the frequency, from slower than the record to four times
+/// the excitation, whose amplitudes fall or rise with it as drawn; 1 to 30 % of the periodic force.
+fn wander(random: &mut Pcg64) -> Vec<Wave> {
+    let slope = random.random_range(-0.5..0.5);
+    let share = 10.0_f64.powf(random.random_range(-2.0..-0.5));
+    let waves: Vec<Wave> = (0..WAVES)
+        .map(|_| {
+            let place = 10.0_f64.powf(random.random_range(-2.0..0.6));
+            (place.powf(slope) * random.random_range(0.5..1.5), place, random.random_range(0.0..TAU))
+        })
+        .collect();
+    let total = waves.iter().map(|(a, _, _)| a * a).sum::<f64>().sqrt();
+    waves.into_iter().map(|(a, place, phase)| (share * a / total, place, phase)).collect()
+}
+
 /// Excitation, and a friction force with the harmonics of a saturating contact.
 struct Forces {
     frequency: f64,
     size: f64,
+    wander: Vec<Wave>,
 }
 
 impl Forces {
     fn at(&self, t: f64) -> [f64; 2] {
         let phase = TAU * self.frequency * t;
         let friction = (1.2 * (phase - 0.4).cos()).tanh() + 0.075 * (2.0 * phase).sin();
-        [0.7 * phase.cos(), self.size * friction]
+        let more: f64 = self.wander.iter().map(|(a, place, at)| a * (place * phase + at).cos()).sum();
+        [0.7 * phase.cos(), self.size * (friction + more)]
     }
 
     fn slope(&self, t: f64) -> [f64; 2] {
@@ -250,7 +290,20 @@ impl Forces {
         let saturated = (1.2 * (phase - 0.4).cos()).tanh();
         let friction =
             -1.2 * (phase - 0.4).sin() * (1.0 - saturated * saturated) + 0.15 * (2.0 * phase).cos();
-        [-0.7 * turn * phase.sin(), self.size * turn * friction]
+        let more: f64 =
+            self.wander.iter().map(|(a, place, at)| -a * place * (place * phase + at).sin()).sum();
+        [-0.7 * turn * phase.sin(), self.size * turn * (friction + more)]
+    }
+
+    fn bend(&self, t: f64) -> [f64; 2] {
+        let (turn, phase) = (TAU * self.frequency, TAU * self.frequency * t);
+        let saturated = (1.2 * (phase - 0.4).cos()).tanh();
+        let (inner, outer) = (-1.2 * (phase - 0.4).sin(), 1.0 - saturated * saturated);
+        let friction = outer * (-1.2 * (phase - 0.4).cos() - 2.0 * saturated * inner * inner)
+            - 0.3 * (2.0 * phase).sin();
+        let more: f64 =
+            self.wander.iter().map(|(a, place, at)| -a * place * place * (place * phase + at).cos()).sum();
+        [-0.7 * turn * turn * phase.cos(), self.size * turn * turn * (friction + more)]
     }
 }
 

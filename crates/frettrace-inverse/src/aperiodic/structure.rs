@@ -1,0 +1,118 @@
+//! How the outputs of each bin move with what is uncertain of the structure, the measurements being given.
+//!
+//! When `θ = ln ω_n` or `ln ζ_n` moves, the accelerations that mode `n` makes move by `−φ_n z` in each bin, with
+//! `z = ω² ∂g_n p_n − ∂d_n`: its receptance `g_n` under the generalised force `p_n`, and its free decay `d_n`. Forces and common unknowns
+//! answer as they would to accelerations `φ_n z`.
+
+use super::ends::{Decay, Decays};
+use super::sources::{Common, OUTPUTS, Outputs, Spectra, add};
+use super::{Round, Whole};
+use crate::calibration::generalised_force;
+use crate::contact::COMPLIANCE_DOUBT;
+use crate::dynamics::Load;
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+/// One parameter in one bin.
+struct Moved {
+    /// What it makes of the accelerations, along its mode's shape.
+    z: Complex64,
+    outputs: Outputs,
+}
+
+impl Whole<'_> {
+    /// Independent sources of error: those of [`crate::CalibratedStructure::roots`], then the flexibility beyond the beam theory.
+    pub(super) fn structure(&self, round: &Round, common: &Common) -> Vec<Spectra> {
+        let roots = self.setting.structure.roots();
+        let decays = self.moved_decays(round);
+        let moved: Vec<Vec<Moved>> = (0..self.bins.len())
+            .into_par_iter()
+            .map(|k| decays.iter().enumerate().map(|(p, decay)| self.moved((k, p), decay, round)).collect())
+            .collect();
+        let answers = self.answers(&moved, decays.len(), round);
+        let along = |root: &[f64], k: usize| -> Outputs {
+            let mut sum = [Complex64::ZERO; OUTPUTS];
+            for (moved, share) in moved[k].iter().zip(root) {
+                add(&mut sum, &moved.outputs, *share);
+            }
+            for (i, gain) in common.outputs.iter().enumerate() {
+                let share: f64 = answers[i].iter().zip(root).map(|(a, r)| a * r).sum();
+                add(&mut sum, &std::array::from_fn(|o| gain[o][k]), share);
+            }
+            sum
+        };
+        let bins = 0..self.bins.len();
+        let mut found: Vec<Spectra> =
+            roots.par_iter().map(|root| spectra(bins.clone().map(|k| along(root, k)))).collect();
+        found.push(spectra(bins.map(|k| self.compliance(k, round))));
+        found
+    }
+
+    /// Derivatives of the free decays of the calibrated modes, two a mode.
+    fn moved_decays(&self, round: &Round) -> Vec<Decay> {
+        let modes = self.setting.structure.modes.min(self.record.modes);
+        let model = &self.setting.structure.model;
+        (0..2 * modes)
+            .into_par_iter()
+            .map(|p| {
+                let start = Complex64::new(round.common[p / 2 * 2], round.common[p / 2 * 2 + 1]);
+                Decays::derivative(model, &self.record, (p / 2, start), p % 2)
+            })
+            .collect()
+    }
+
+    fn moved(&self, (k, parameter): (usize, usize), decay: &Decay, round: &Round) -> Moved {
+        let (mode, kind) = (parameter / 2, parameter % 2);
+        let (bin, solved, model) = (&self.bins[k], &round.solved[k], &self.setting.structure.model);
+        let omega = bin.line.omega();
+        let answered = self.forces(k, round).1;
+        let load = generalised_force(self.setting.dynamics, mode, bin.exciter, self.loads, &answered);
+        let scale = [model.natural_frequency()[mode], model.damping_ratio()[mode]][kind];
+        let motion = model.modal_receptance_gradient(mode, omega)[kind] * scale * load;
+        let z = motion * (omega * omega) - decay.acceleration[k];
+        let forces: Vec<Complex64> = (0..self.loads.len()).map(|u| solved.taken(u, mode) * z).collect();
+        let mut outputs = self.outputs(&bin.line, Complex64::ZERO, &forces);
+        let turned = motion * Complex64::new(0.0, omega);
+        self.add_motion(mode, [motion + decay.displacement[k], turned + decay.velocity[k]], &mut outputs);
+        Moved { z, outputs }
+    }
+
+    /// Change of the common unknowns, a row each, with each parameter.
+    fn answers(&self, moved: &[Vec<Moved>], parameters: usize, round: &Round) -> Vec<Vec<f64>> {
+        let unknowns = round.common.len();
+        let mut right = vec![vec![0.0; parameters]; unknowns];
+        for (k, (bin, moved)) in self.bins.iter().zip(moved).enumerate() {
+            let (products, along) = bin.left(&round.solved[k]);
+            for (row, (d, x)) in right.iter_mut().zip(self.columns(k, &round.jumps)) {
+                for (p, (entry, moved)) in row.iter_mut().zip(moved).enumerate() {
+                    *entry += 2.0 * (x.conj() * products[d * along.len() + p / 2] * moved.z).re;
+                }
+            }
+        }
+        let row = |i: usize, p: usize| (0..unknowns).map(|j| round.covariance[(i, j)] * right[j][p]).sum();
+        (0..unknowns).map(|i| (0..parameters).map(|p| row(i, p)).collect()).collect()
+    }
+
+    /// Change of the outputs per standard deviation of the flexibility that the beam theory does not hold for; sensors do not see it.
+    fn compliance(&self, k: usize, round: &Round) -> Outputs {
+        let (bin, dynamics) = (&self.bins[k], self.setting.dynamics);
+        let answered = self.forces(k, round).1;
+        let moved = |output: usize| -> Complex64 {
+            let loads = self.loads.iter().zip(&answered);
+            let sum: Complex64 = loads.map(|(load, f)| f * dynamics.doubtful(output, *load)).sum();
+            (sum + bin.exciter * dynamics.doubtful(output, Load::Exciter)) * COMPLIANCE_DOUBT
+        };
+        let (slip, end) = (moved(dynamics.sensors()), moved(dynamics.sensors() + 1));
+        let velocity = slip * Complex64::new(0.0, bin.line.omega());
+        [Complex64::ZERO, slip, velocity, -end * self.setting.normal_stiffness, Complex64::ZERO]
+    }
+}
+
+/// Outputs of all bins, output by output.
+fn spectra(bins: impl Iterator<Item = Outputs>) -> Spectra {
+    let mut found: Spectra = std::array::from_fn(|_| Vec::new());
+    for outputs in bins {
+        found.iter_mut().zip(outputs).for_each(|(spectrum, value)| spectrum.push(value));
+    }
+    found
+}
