@@ -104,7 +104,7 @@ fn bare_mistakes_are_refused_in_one_line() {
         ("[1.0, 8.0]", "[]", "run 1: force_amplitude_n, number of values is 0; allowed: 1 to 999"),
         ("[1.0, 8.0]", "[0.0]", "run 1: force_amplitude_n is 0; allowed: 0.000001 to 1000000"),
         ("lever_arm_m = 0.0037\n", "", "support.lever_arm_m is missing"),
-        ("position_m = 0.23", "position_m = 0.53", "exciter.position_m is 0.53; allowed: 0 to 0.5"),
+        ("position_m = 0.23", "position_m = 0.53", "exciter.position_m is 0.53; allowed: 0.0005 to 0.5"),
         ("preload_n = 70.0", "preload_n = -70.0", "run 1: preload_n is -70; allowed: 0.001 to 1000000"),
         ("title = \"test rig\"", "title = test rig", "RIG.toml: line 2:"),
         ("position_m = 0.23", "position_m = 0.0", "exciter.position_m is 0; allowed: 0.0005 to 0.5"),
