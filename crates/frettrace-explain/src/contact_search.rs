@@ -153,11 +153,12 @@ impl Study<'_> {
         let form = (usize::MAX, &plain);
         let first = self.contact_candidate(recovered, setting, law_unknowns, form, 20)?;
         // Where a rigid contact's force jumps is known to a part of a sample only: χ² does not tell a poor end there.
-        let good = first.meets() && !setting.rigid;
-        if good || law_unknowns.len() < 3 {
+        let few = law_unknowns.len() < 3;
+        if first.meets() && (few || !setting.rigid) {
             return Some(first);
         }
-        // A law of many values has several minima: other starts, where the first end is poor, and the best of them goes on.
+        // A law of many values has several minima, and what a fit of the whole rig that lacks an effect made of one with few may be in none:
+        // other starts, where the first end is poor, and the best of them goes on.
         let others = starts(&setting.law, self.fastest(recovered), (recovered, setting.rigid));
         self.better_end(recovered, setting, law_unknowns, (others, first))
     }
