@@ -238,12 +238,40 @@ impl Recovered {
         2 * (self.force.len() - self.first)
     }
 
-    /// RMS of the friction force over the mean normal force, and that over the RMS of the slip (1/m).
+    /// RMS of the friction force over the mean normal force, and presliding stiffness (1/m): that over the RMS of the slip, which a contact
+    /// that sticks has, or what it loses of its force after a reversal over the way it needs to lose it, whichever is larger.
     fn sizes(&self) -> [f64; 2] {
         let samples = self.slip.len() as f64;
         let force = (0.5 * self.force.iter().skip(1).map(Complex64::norm_sqr).sum::<f64>()).sqrt();
         let share = force / (self.normal.iter().sum::<f64>() / samples).max(f64::MIN_POSITIVE);
-        [share, share / self.stroke().max(f64::MIN_POSITIVE)]
+        let stuck = share / self.stroke().max(f64::MIN_POSITIVE);
+        [share, self.stiffness_after_reversals(force).unwrap_or(0.0).max(stuck)]
+    }
+
+    /// Median over the reversals of the period of `F/(N Δu)`: the force at a reversal over the mean normal force and the way to where the
+    /// force is zero. It is the stiffness of a bristle that slides at the turn and yields linearly, 1/ln 2 of it for one that yields exponentially.
+    fn stiffness_after_reversals(&self, size: f64) -> Option<f64> {
+        let samples = self.slip.len();
+        let mut lines = vec![Complex64::ZERO; self.grid.order() + 1];
+        lines.iter_mut().zip(&self.force).skip(1).for_each(|(line, force)| *line = *force);
+        let mut force = vec![0.0; samples];
+        self.grid.evaluate(&lines, &mut force, &mut self.grid.scratch());
+        let turns = |k: &usize| self.velocity[*k] * self.velocity[(k + 1) % samples] <= 0.0;
+        let secant = |turn: usize| {
+            let from = (turn + 1) % samples;
+            let signs = (force[from].signum(), self.velocity[from].signum());
+            let at = |step: usize| (from + step) % samples;
+            let ways = (1..samples).take_while(|&step| self.velocity[at(step)] * signs.1 > 0.0);
+            let zero = ways.into_iter().find(|&step| force[at(step)] * signs.0 <= 0.0)?;
+            let normal = (0..=zero).map(|step| self.normal[at(step)]).sum::<f64>() / (zero + 1) as f64;
+            let way = (self.slip[at(zero)] - self.slip[from]).abs();
+            Some(force[from].abs() / (normal * way))
+                .filter(|stiffness| stiffness.is_normal() && *stiffness > 0.0)
+        };
+        let loaded = (0..samples).filter(turns).filter(|k| force[(k + 1) % samples].abs() > 0.5 * size);
+        let mut found: Vec<f64> = loaded.filter_map(secant).collect();
+        found.sort_by(f64::total_cmp);
+        found.get(found.len() / 2).copied()
     }
 }
 
@@ -257,11 +285,14 @@ pub(crate) struct Contacts {
 }
 
 impl Contacts {
-    /// Friction coefficient and presliding stiffness (1/m) by their sizes: the largest RMS of `F/N`, where the contact slides most,
-    /// and of `F/(N u)`, where it sticks most. `None` without periodic runs.
+    /// Friction coefficient and presliding stiffness (1/m) by their sizes: the largest RMS of `F/N`, where the contact slides most, and
+    /// the median of the runs' stiffnesses. `None` without periodic runs.
     pub fn sizes(&self) -> Option<[f64; 2]> {
-        let larger = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a.max(c), b.max(d)];
-        self.periodic.iter().map(Recovered::sizes).reduce(larger).filter(|s| s.iter().all(|x| x.is_normal()))
+        let (shares, mut stiffnesses): (Vec<f64>, Vec<f64>) =
+            self.periodic.iter().map(Recovered::sizes).map(|[share, stiffness]| (share, stiffness)).unzip();
+        stiffnesses.sort_by(f64::total_cmp);
+        let sizes = [shares.into_iter().reduce(f64::max)?, *stiffnesses.get(stiffnesses.len() / 2)?];
+        sizes.iter().all(|x| x.is_normal()).then_some(sizes)
     }
 
     /// Largest slip velocity (m/s); `None` without periodic runs.
