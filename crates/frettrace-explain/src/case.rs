@@ -1,6 +1,6 @@
 //! What is declared: the rig, its runs, and how well its values are known.
 
-use crate::{ChannelFault, ExplainError, RunRecord, Unknown};
+use crate::{ChannelFault, ExplainError, RunRecord, Split, Study, Unknown};
 use frettrace_beam::{ModalModel, ModalOptions};
 use frettrace_forward::accelerations::{
     AccelerationModel, Beside, COEFFICIENTS, Port, PortLaw, PortPlace, Quantity, Rig, Setting,
@@ -151,7 +151,8 @@ impl Case {
     }
 
     /// Takes a declared second support into the rig: its force is recovered from the accelerations, without a law, and is an
-    /// input of every prediction.
+    /// input of every prediction. Where the structure is known loosely it is calibrated first, with the forces of contact and support free:
+    /// a structure that is off makes a force that is off, and every law would be blamed for it.
     ///
     /// # Errors
     /// [`ExplainError::Model`] where the rig cannot be modelled.
@@ -159,6 +160,11 @@ impl Case {
         let mut setting = self.setting(ModifiedLaw::dahl(1.0, 1.0));
         let place = PortPlace::At(position);
         setting.ports.push(Port { place, law: PortLaw::Polynomial, coefficients: [0.0; COEFFICIENTS] });
+        if self.loosely_known()
+            && let Ok((study, _)) = Study::new(self, Split::First)
+        {
+            setting = study.calibrated_beside(&setting, Beside::Ports);
+        }
         let lines = self.records.iter().map(|r| r.lines.clone()).collect();
         let model = AccelerationModel::new(self.rig.clone(), lines)?;
         let runs: Vec<usize> = (0..self.records.len()).collect();

@@ -14,7 +14,7 @@ const LEAST_OWN: f64 = 0.02;
 const STEADY: f64 = 2.0;
 /// Distances, in what the record can tell apart, at which the noise beside a tone is heard.
 const BESIDE: [f64; 4] = [2.0, 3.0, 4.0, 5.0];
-/// Tones that are taken out.
+/// Frequencies that are taken out.
 const MOST: usize = 4;
 
 /// A tone in one channel over the runs.
@@ -39,6 +39,12 @@ impl Tone {
         2 * self.heard > n && sizes[(3 * n / 4).min(n - 1)] < STEADY * sizes[n / 4]
     }
 
+    /// Mean of its amplitudes in the runs that are asked and tell it from the motion.
+    fn amplitude(&self, asked: &[bool]) -> f64 {
+        let sizes = self.sizes(asked);
+        sizes.iter().sum::<f64>() / sizes.len().max(1) as f64
+    }
+
     /// Its amplitudes in the runs that are asked and tell it from the motion.
     fn sizes(&self, asked: &[bool]) -> Vec<f64> {
         let asked = self.amplitude.iter().zip(asked).filter(|(_, asked)| **asked);
@@ -60,7 +66,8 @@ pub(super) fn find(
             asked.fill(true);
         }
         let claim = HEARD_IN_A_RUN * asked.iter().filter(|asked| **asked).count() as f64;
-        let mut best: Option<Tone> = None;
+        let loudest = |tones: &[Tone]| tones.iter().map(|tone| tone.gain).fold(0.0, f64::max);
+        let mut best: Vec<Tone> = Vec::new();
         for multiple in 1..=HARMONICS {
             for frequency in MAINS.map(|f| f * multiple as f64) {
                 let tones = tones((&bare, &asked), frequency);
@@ -68,35 +75,35 @@ pub(super) fn find(
                 if 2 * hearing > tones.len() && runs.iter().any(|run| subharmonic(run, frequency)) {
                     continue;
                 }
-                for tone in tones {
-                    if best.as_ref().is_none_or(|b| tone.gain > b.gain) {
-                        best = Some(tone);
-                    }
+                if loudest(&tones) > loudest(&best) {
+                    best = tones;
                 }
             }
         }
-        let Some(tone) = best.filter(|t| t.gain > claim && t.lasts(&asked)) else { break };
-        let sizes = tone.sizes(&asked);
-        let amplitude = sizes.iter().sum::<f64>() / sizes.len() as f64;
-        let noise: f64 = bare.iter().map(|b| b.variance[tone.sensor].sqrt()).sum::<f64>() / bare.len() as f64;
-        if amplitude < HEARD * noise {
+        // A loop of the ground is heard by every sensor.
+        best.retain(|tone| {
+            tone.gain > claim && tone.lasts(&asked) && tone.amplitude(&asked) > HEARD * level(&bare, tone)
+        });
+        if best.is_empty() {
             break;
         }
-        take_out(runs, &tone, channels);
-        let known = faults.iter_mut().find(|f| f.sensor == tone.sensor);
-        if let Some(fault) = known {
-            fault.evidence += tone.gain;
-            continue;
+        for tone in best {
+            take_out(runs, &tone, channels);
+            if let Some(fault) = faults.iter_mut().find(|f| f.sensor == tone.sensor) {
+                fault.evidence += tone.gain;
+                continue;
+            }
+            let amplitude = tone.amplitude(&asked);
+            faults.push(ChannelFault {
+                id: "measurement.hum",
+                sensor: tone.sensor,
+                parameters: vec![
+                    ("frequency".into(), "Hz".into(), tone.frequency, 0.0),
+                    ("amplitude".into(), "m/s^2".into(), amplitude, amplitude * (2.0 / tone.gain).sqrt()),
+                ],
+                evidence: tone.gain,
+            });
         }
-        faults.push(ChannelFault {
-            id: "measurement.hum",
-            sensor: tone.sensor,
-            parameters: vec![
-                ("frequency".into(), "Hz".into(), tone.frequency, 0.0),
-                ("amplitude".into(), "m/s^2".into(), amplitude, amplitude * (2.0 / tone.gain).sqrt()),
-            ],
-            evidence: tone.gain,
-        });
     }
     faults
 }
@@ -148,6 +155,11 @@ fn tones((bare, asked): (&[Bare<'_>], &[bool]), frequency: f64) -> Vec<Tone> {
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// Standard deviation of what a tone's channel holds beside the motion, its mean over the runs.
+fn level(bare: &[Bare<'_>], tone: &Tone) -> f64 {
+    bare.iter().map(|one| one.variance[tone.sensor].sqrt()).sum::<f64>() / bare.len().max(1) as f64
 }
 
 /// Cosine and sine of a frequency over a run.
@@ -263,6 +275,30 @@ mod tests {
         let [frequency, amplitude] = [0, 1].map(|k| found[0].parameters[k].2);
         assert_eq!(frequency, 50.0);
         assert!((amplitude - 0.9).abs() < 3e-3, "{amplitude}");
+    }
+
+    /// Every channel hears the same mains.
+    #[test]
+    fn all_sensors_may_hear_the_mains() {
+        let mut laboratory = Laboratory::new(&[0.03, 0.03, 0.03], 0.0, 0.0);
+        for (k, share) in [0.4, 0.6, 0.8, 1.0].into_iter().enumerate() {
+            for signals in &mut laboratory.signals {
+                for (j, value) in signals[k].iter_mut().enumerate() {
+                    *value += share * (TAU * 60.0 * j as f64 / laboratory.rate).sin();
+                }
+            }
+        }
+        let runs = laboratory.runs();
+        let found = find(&runs, Some(&[0.03; 4]), &mut Channels::new(&runs));
+        let mut sensors: Vec<usize> = found.iter().map(|fault| fault.sensor).collect();
+        sensors.sort_unstable();
+        assert_eq!(sensors, [0, 1, 2, 3]);
+        for fault in found {
+            let [frequency, amplitude] = [0, 1].map(|k| fault.parameters[k].2);
+            assert_eq!(frequency, 60.0);
+            let share = [0.4, 0.6, 0.8, 1.0][fault.sensor];
+            assert!((amplitude - share).abs() < 3e-3, "{amplitude}");
+        }
     }
 
     /// Noise of which 0.95 stays is 39 times as loud at low frequencies as on the whole: tones in it explain a χ² of 78 where white noise

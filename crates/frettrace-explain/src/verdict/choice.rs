@@ -8,6 +8,9 @@ use rayon::prelude::*;
 
 /// Excess over the best one's up to which a model that is not fitted to its end may still overtake it.
 const CLOSE: f64 = 4.0;
+/// Share of what was missing (χ²) that a richer effect must take beyond a simpler one that it contains, where both are complete: 0.3 % of the
+/// amplitude, to which neither laboratory's formula nor its rig is known.
+const EARNED: f64 = 1e-5;
 
 impl Search<'_> {
     /// Records what was tried and keeps the best.
@@ -38,8 +41,9 @@ impl Search<'_> {
         let (weights, mut found) = self.weighed(found);
         let best = *weights.first()?;
         // A richer effect that contains a simpler one must earn its name against it.
+        let earned = EVIDENCE.max(EARNED * (current.criterion - found[0].criterion));
         let simpler = found.iter().zip(&weights).position(|(one, weight)| {
-            (*weight < best + EVIDENCE || self.is_idle(&found[0]))
+            (*weight < best + earned || self.is_idle(&found[0]))
                 && one.complete() == found[0].complete()
                 && one.effects.last().is_some_and(|&e| contained(found[0].effects.last(), e))
         });
