@@ -33,7 +33,7 @@ pub struct Simulation {
 }
 
 /// Modes marched; the inverse and the harmonic balance use other numbers.
-const MODES: usize = 72;
+pub const MODES: usize = 72;
 /// Change of the accelerations by the march's last tightening, over the noise of a sensor.
 const SHARE_OF_NOISE: f64 = 0.1;
 

@@ -6,7 +6,7 @@ use super::rigs::{Choice, Drawn, draw};
 use anyhow::bail;
 use frettrace::Progress;
 use frettrace::rig::{Effect, Rig, RigRuns, RigSlip};
-use frettrace::simulate::{Simulation, simulate};
+use frettrace::simulate::{MODES, Simulation, simulate};
 use frettrace_forward::march::Settling;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -50,13 +50,13 @@ pub fn make(planned: &Planned) -> anyhow::Result<Made> {
 
 /// Whether the accelerations of a run still change with the steps of the march, by more than is wanted where they have a period and by
 /// more than the noise where not: a rig that no step is fine enough for has no truth to compare with. Contacts that chatter
-/// beyond the sensors' band do.
+/// beyond the sensors' band do, and those that were marched without the modes that chatter are not quite the beam that is declared.
 fn unresolved(simulation: &Simulation, rig: &Rig) -> bool {
     let noise = rig.sensors.noise_std_m_per_s2;
     simulation.marching.iter().zip(&simulation.settled).any(|(run, settled)| {
         let aperiodic = matches!(settled, Settling::NotPeriodic { .. });
         let limit = if aperiodic { noise } else { run.tolerance };
-        run.change.is_some_and(|change| change > limit)
+        run.modes < MODES || run.change.is_some_and(|change| change > limit)
     })
 }
 
