@@ -238,14 +238,14 @@ impl Recovered {
         2 * (self.force.len() - self.first)
     }
 
-    /// RMS of the friction force over the mean normal force, and presliding stiffness (1/m): that over the RMS of the slip, which a contact
-    /// that sticks has, or what it loses of its force after a reversal over the way it needs to lose it, whichever is larger.
-    fn sizes(&self) -> [f64; 2] {
+    /// RMS of the friction force over the mean normal force; presliding stiffness (1/m) as it is where the contact sticks, that over the RMS
+    /// of the slip, and as it is after reversals.
+    fn sizes(&self) -> [f64; 3] {
         let samples = self.slip.len() as f64;
         let force = (0.5 * self.force.iter().skip(1).map(Complex64::norm_sqr).sum::<f64>()).sqrt();
         let share = force / (self.normal.iter().sum::<f64>() / samples).max(f64::MIN_POSITIVE);
         let stuck = share / self.stroke().max(f64::MIN_POSITIVE);
-        [share, self.stiffness_after_reversals(force).unwrap_or(0.0).max(stuck)]
+        [share, stuck, self.stiffness_after_reversals(force).unwrap_or(stuck)]
     }
 
     /// Median over the reversals of the period of `F/(N Δu)`: the force at a reversal over the mean normal force and the way to where the
@@ -285,13 +285,14 @@ pub(crate) struct Contacts {
 }
 
 impl Contacts {
-    /// Friction coefficient and presliding stiffness (1/m) by their sizes: the largest RMS of `F/N`, where the contact slides most, and
-    /// the median of the runs' stiffnesses. `None` without periodic runs.
+    /// Friction coefficient and presliding stiffness (1/m) by their sizes: the largest RMS of `F/N`, where the contact slides most, and the
+    /// larger of `F/(N u)`, where it sticks most, and of what most runs show after reversals. `None` without periodic runs.
     pub fn sizes(&self) -> Option<[f64; 2]> {
-        let (shares, mut stiffnesses): (Vec<f64>, Vec<f64>) =
-            self.periodic.iter().map(Recovered::sizes).map(|[share, stiffness]| (share, stiffness)).unzip();
-        stiffnesses.sort_by(f64::total_cmp);
-        let sizes = [shares.into_iter().reduce(f64::max)?, *stiffnesses.get(stiffnesses.len() / 2)?];
+        let runs: Vec<[f64; 3]> = self.periodic.iter().map(Recovered::sizes).collect();
+        let largest = |k: usize| runs.iter().map(|sizes| sizes[k]).reduce(f64::max);
+        let mut reversals: Vec<f64> = runs.iter().map(|sizes| sizes[2]).collect();
+        reversals.sort_by(f64::total_cmp);
+        let sizes = [largest(0)?, largest(1)?.max(*reversals.get(reversals.len() / 2)?)];
         sizes.iter().all(|x| x.is_normal()).then_some(sizes)
     }
 
