@@ -67,7 +67,8 @@ fn settled(random: &mut Pcg64, mut drawn: Drawn, choice: &Choice) -> anyhow::Res
         return Ok(None);
     }
     let mut scale = Scale::new(&made);
-    if scale.largest_level > 3e3 {
+    // A rigid contact that holds at both levels has no speed from which its law is scaled.
+    if scale.largest_level > 3e3 || scale.velocity <= 0.0 {
         return Ok(None);
     }
     if choice.slip == RigSlip::Rotation {
