@@ -107,6 +107,8 @@ struct Search<'a> {
     strained: bool,
     /// Whether one set of values of the declared law follows all runs, those that were held out among them.
     of_one_law: bool,
+    /// Most effects named together.
+    most_effects: usize,
     /// Whether the last effect is a lift-off that only runs without a period show.
     lifts_off: bool,
     /// The study before its grid was made finer, and how often it had been, while it is not settled that the finer one stays.
@@ -130,6 +132,7 @@ impl<'a> Search<'a> {
             other_formula: false,
             strained: false,
             of_one_law: false,
+            most_effects: MOST_EFFECTS,
             lifts_off: false,
             coarse: None,
             recovered_law: None,
@@ -187,7 +190,7 @@ impl Search<'_> {
         single: &mut Option<(Explained, Vec<Rival>)>,
     ) -> Result<Explained, ExplainError> {
         let mut current = baseline.clone();
-        for _ in 0..MOST_EFFECTS {
+        for _ in 0..self.most_effects {
             let mut fitted = current.clone();
             self.calibrate(&mut current);
             if !current.effects.is_empty()

@@ -93,9 +93,10 @@ impl<'a> Begun<'a> {
         Ok(Self { search, baseline })
     }
 
-    /// The same where a case asks for other names.
+    /// The same where a case asks for other names: for a single one, in the place of a single one.
     fn asking(mut self, case: &'a Case) -> Self {
         self.search.study.case = case;
+        self.search.most_effects = 1;
         self
     }
 

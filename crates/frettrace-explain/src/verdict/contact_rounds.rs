@@ -7,6 +7,10 @@ use crate::study::merge;
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::Setting;
 
+/// χ² per residual on the recovered contacts from which no whole model with a law may leave a trace: ten times what the method
+/// leaves of the right one at the lowest noise.
+const TRACELESS: f64 = 500.0;
+
 impl Search<'_> {
     /// The same model from the law that the contacts recovered with it show, where that ends nearer: the fit of the whole rig may
     /// have come to rest in another valley, and an effect may not be named for that.
@@ -68,12 +72,16 @@ impl Search<'_> {
         }
         let reduced = base.as_ref().map_or(f64::INFINITY, |base| base.reduced);
         let taken = (&current.effects[..], reduced);
-        let candidates = self.study.contact_candidates(&recovered, &setting, &law, taken);
+        let mut candidates = self.study.contact_candidates(&recovered, &setting, &law, taken);
         self.tried.extend(candidates.iter().map(|c| Tried {
             id: ALL[c.effect].id(),
             error: f64::NAN,
             evidence: plain - c.criterion,
         }));
+        if self.most_effects == 1 {
+            // In the place of a name that leaves a trace stands one that leaves none, or none does.
+            candidates.retain(|candidate| candidate.reduced < TRACELESS);
+        }
         let found = self.study.contact_round(current, &candidates);
         Ok(self.take_best(current, found))
     }
