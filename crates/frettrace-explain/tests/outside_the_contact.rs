@@ -112,6 +112,7 @@ fn declared(rig: &SimulatedRig, measured: &[SimulatedRecord]) -> Case {
         },
         law: Family::Dahl,
         faults,
+        shaken: None,
         without: Vec::new(),
     };
     case.leave_out_saturated().unwrap();

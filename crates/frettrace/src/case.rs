@@ -114,8 +114,16 @@ pub fn case(measurement: &Measurement) -> Result<Case, StudyError> {
     let (records, faults) = frettrace_explain::records(&samples, noise)
         .map_err(|(k, source)| StudyError::Run { run: measurement.runs[k].id.clone(), source })?;
     let law = Family::named(&measurement.support.law).unwrap_or(Family::Dahl);
-    let mut case =
-        Case { rig: rig(measurement), records, modes: modes(measurement), law, faults, without: Vec::new() };
+    let mut case = Case {
+        rig: rig(measurement),
+        records,
+        modes: modes(measurement),
+        law,
+        faults,
+        shaken: None,
+        without: Vec::new(),
+    };
+    case.tell_motion_from_hum();
     case.open_higher_modes()?;
     if let Some(second) = &measurement.second_support {
         case.know_support(second.position)?;

@@ -87,7 +87,8 @@ pub(super) fn find(
         if best.is_empty() {
             break;
         }
-        for tone in best {
+        let phases = phases(&best);
+        for (tone, phase) in best.into_iter().zip(phases) {
             take_out(runs, &tone, channels);
             if let Some(fault) = faults.iter_mut().find(|f| f.sensor == tone.sensor) {
                 fault.evidence += tone.gain;
@@ -100,6 +101,7 @@ pub(super) fn find(
                 parameters: vec![
                     ("frequency".into(), "Hz".into(), tone.frequency, 0.0),
                     ("amplitude".into(), "m/s^2".into(), amplitude, amplitude * (2.0 / tone.gain).sqrt()),
+                    ("phase".into(), "rad".into(), phase, (2.0 / tone.gain).sqrt()),
                 ],
                 evidence: tone.gain,
             });
@@ -155,6 +157,19 @@ fn tones((bare, asked): (&[Bare<'_>], &[bool]), frequency: f64) -> Vec<Tone> {
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// Phases (rad) of tones of one frequency beside the one that explains most: runs begin anywhere, but alike for all channels.
+fn phases(tones: &[Tone]) -> Vec<f64> {
+    let Some(reference) = tones.iter().max_by(|a, b| a.gain.total_cmp(&b.gain)) else { return Vec::new() };
+    let phase = |tone: &Tone| {
+        let pairs = tone.amplitude.iter().zip(&reference.amplitude);
+        // A wave `a cos ωt + b sin ωt` has the amplitude `a − ib`.
+        let [re, im] =
+            pairs.fold([0.0; 2], |[re, im], ([a, b], [c, d])| [re + a * c + b * d, im + a * d - b * c]);
+        im.atan2(re)
+    };
+    tones.iter().map(phase).collect()
 }
 
 /// Standard deviation of what a tone's channel holds beside the motion, its mean over the runs.
@@ -294,10 +309,10 @@ mod tests {
         sensors.sort_unstable();
         assert_eq!(sensors, [0, 1, 2, 3]);
         for fault in found {
-            let [frequency, amplitude] = [0, 1].map(|k| fault.parameters[k].2);
+            let [frequency, amplitude, phase] = [0, 1, 2].map(|k| fault.parameters[k].2);
             assert_eq!(frequency, 60.0);
             let share = [0.4, 0.6, 0.8, 1.0][fault.sensor];
-            assert!((amplitude - share).abs() < 3e-3, "{amplitude}");
+            assert!((amplitude - share).abs() < 3e-3 && phase.abs() < 5e-3, "{amplitude} {phase}");
         }
     }
 

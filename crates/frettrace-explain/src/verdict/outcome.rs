@@ -95,12 +95,13 @@ impl Search<'_> {
         let faults = &self.study.case.faults;
         let named: Vec<&ChannelFault> = faults.iter().filter(|f| self.study.case.allows(f.id)).collect();
         let nameless = named.len() < faults.len();
+        let shaken = self.study.case.shaken;
         let by_method = self.within_method && model.effects.is_empty();
         let within = model.complete() && self.takes_all(&baseline, &model);
         let near = within || model.sufficient(&baseline) || self.other_formula || by_method;
         let filled = near && borne_out;
         let misread = filled && self.misread(&model);
-        let complete = filled && !nameless && !self.strained && !misread;
+        let complete = filled && !nameless && shaken.is_none() && !self.strained && !misread;
         let verdict = match (model.effects.is_empty() && named.is_empty(), complete) {
             (true, true) => Verdict::NothingMissing,
             (false, true) => Verdict::Explained,
@@ -110,6 +111,7 @@ impl Search<'_> {
             Verdict::NothingMissing => None,
             Verdict::Explained if model.effects.is_empty() => Some(EffectPlace::Measurement),
             Verdict::Explained => model.effects.first().map(|&e| ALL[e].place()),
+            Verdict::Unexplained if shaken.is_some() && filled => Some(EffectPlace::Excitation),
             Verdict::Unexplained if misread || nameless && filled => Some(EffectPlace::Measurement),
             Verdict::Unexplained if self.strained => Some(EffectPlace::Structure),
             Verdict::Unexplained => Some(self.place(&model)),
@@ -225,6 +227,11 @@ impl Search<'_> {
             self.notes.push(format!(
                 "lines above 0.8 of half the sampling rate, where anti-alias filters bend every channel, and above the 160th of the excitation are in no error: at most {:.1e} of a run's amplitude",
                 untrusted.sqrt()
+            ));
+        }
+        if let Some(frequency) = self.study.case.shaken {
+            self.notes.push(format!(
+                "the beam moves at {frequency} Hz in every run, which no declared force makes: another machine shakes it; that motion is taken out of the runs"
             ));
         }
         let left_out = self.study.case.records.iter().filter(|r| !r.periodic).count();
