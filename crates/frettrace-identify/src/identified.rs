@@ -226,6 +226,10 @@ impl<'a, M: Model> Judged<'a, M> {
         let mut jacobian = DMatrix::zeros(count, fit.values.len());
         model.linearise(&fit.values, &fit.free, &mut memory, (&mut residual, &mut jacobian))?;
         let (stacked, _) = stacked(model, &fit.values, &fit.free, (&jacobian, &residual));
+        // A decomposition of what is not finite never ends.
+        if stacked.iter().any(|value| !value.is_finite()) {
+            return Err(NoSolution);
+        }
         let curvature = Curvature::new(stacked);
         let effective_count = settings.effective_count.unwrap_or(count as f64).min(count as f64);
         let freedom = (count as f64 - curvature.rank as f64).max(1.0);

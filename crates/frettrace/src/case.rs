@@ -1,11 +1,12 @@
 //! A measurement file as the case of an explanation or a joint fit.
 
+use crate::reconstruct::{FormChoice, ReconstructOptions, reconstruct};
 use crate::{Progress, StudyError};
 use frettrace_beam::{Boundary, UniformBeam};
 use frettrace_explain::{Case, DeclaredModes, RunSamples, Series};
 use frettrace_forward::accelerations::Rig;
 use frettrace_identify::contact::Family;
-use frettrace_inverse::RunReconstruction;
+use frettrace_inverse::{Form, RunReconstruction};
 use frettrace_measurement::{Measurement, SlipKind};
 use std::collections::BTreeSet;
 
@@ -20,10 +21,22 @@ pub fn recover_aperiodic(case: &mut Case, measurement: &Measurement) -> Result<(
     if case.records.iter().all(|record| record.periodic) {
         return Ok(());
     }
-    let options = crate::reconstruct::ReconstructOptions::default();
     let sound = without_sensors(measurement, &broken_off(case));
-    let found = crate::reconstruct::reconstruct(&sound, &options, &Progress::silent())?.inverse;
-    for (record, run) in case.records.iter_mut().zip(&found.runs) {
+    let runs = |form: FormChoice| {
+        let options = ReconstructOptions { form, ..ReconstructOptions::default() };
+        reconstruct(&sound, &options, &Progress::silent()).map(|found| found.inverse.runs)
+    };
+    let mut found = runs(FormChoice::Auto)?;
+    // What the inverse adds beside its lines is no run of bins.
+    let on_lines = |run: &RunReconstruction| run.lines.form != Form::Aperiodic;
+    if case.records.iter().zip(&found).any(|(record, run)| !record.periodic && on_lines(run)) {
+        for (run, whole) in found.iter_mut().zip(runs(FormChoice::Aperiodic)?) {
+            if on_lines(run) {
+                *run = whole;
+            }
+        }
+    }
+    for (record, run) in case.records.iter_mut().zip(&found) {
         if !record.periodic {
             record.series = series(run);
         }

@@ -333,3 +333,17 @@ fn many_starts_differ_and_agree_on_the_minimum() {
     let many = fit_from_many(&model, &starts, &FitSettings::default()).unwrap();
     assert!(many.agreement() > 0.8, "{}", many.agreement());
 }
+
+/// Derivatives that are no numbers are no curvature: the answer is an error, and it comes.
+#[test]
+fn derivatives_that_are_not_finite_are_refused() {
+    let free = |name: &str| Parameter::positive(name, "1", (0.1, 10.0));
+    let whole = Pair {
+        parameters: [free("a"), free("b")],
+        residual: |[a, b]| [a - 1.0, b - 1.0],
+        slopes: |_| [1.0, 0.0, 0.0, 1.0],
+    };
+    let found = fit(&whole, &[1.0, 1.0], &FitSettings::default()).unwrap();
+    let broken = Pair { slopes: |_| [1.0, 0.0, f64::NAN, 1.0], ..whole };
+    assert!(identify(&broken, &found, &IdentifySettings::default()).is_err());
+}

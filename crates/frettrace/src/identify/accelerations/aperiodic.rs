@@ -68,6 +68,10 @@ impl Aperiodic {
         for record in &self.records {
             let (own, more) = rest.split_at_mut(2 * record.bins.len());
             record.residual((&setting.law, setting.holds_rigidly()), own);
+            // Far from the contact's own values a march along a recovered motion may have no finite answer.
+            if own.iter().any(|left| !left.is_finite()) {
+                return Err(NoSolution);
+            }
             rest = more;
         }
         Ok(())
