@@ -104,7 +104,12 @@ impl Identified {
 
     /// Takes all intervals back: a model that does not describe the data has no parameters to know.
     pub fn withhold(&mut self, reason: &str, experiment: &str) {
-        for parameter in self.parameters.iter_mut().filter(|p| p.is_bounded()) {
+        self.withhold_those(|_| true, reason, experiment);
+    }
+
+    /// Takes the intervals of some parameters back.
+    pub fn withhold_those(&mut self, these: impl Fn(&str) -> bool, reason: &str, experiment: &str) {
+        for parameter in self.parameters.iter_mut().filter(|p| p.is_bounded() && these(&p.name)) {
             parameter.std = None;
             parameter.interval95 = None;
             parameter.identifiability = Identifiability::NotIdentifiable {

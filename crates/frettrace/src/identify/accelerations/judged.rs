@@ -64,7 +64,15 @@ pub(super) fn judged(
         cut = (CUT * change.iter().map(|d| d * d).sum::<f64>() / fitted.fit.data_cost).min(1.0);
         correct_by(&problem, &fit, &mut identified, &problem.change(change));
     }
+    let slow = reaches_no_sliding(study, fitted, &identified);
     identified.settle(problem.parameters(), IdentifySettings::default().widest);
+    if slow {
+        identified.withhold_those(
+            |name| name == "mu_k",
+            "v_s may be larger than the fastest sliding: what was seen may be the static coefficient, or any on the way to the sliding one",
+            "sliding speeds from zero to three v_s",
+        );
+    }
     take_back(study, found, &mut identified, cut);
     Ok(Judgement { identified, tests })
 }
@@ -104,6 +112,15 @@ fn intervals(problem: &Problem<'_>, fit: &Fit, unknowns: &[Unknown]) -> Result<I
         return Ok(plain);
     }
     Ok(identify(problem, fit, &settings)?)
+}
+
+/// Whether the Stribeck curve may still fall beyond the fastest sliding: its velocity is not bounded below that.
+fn reaches_no_sliding(study: &Study<'_>, fitted: &Fitted, identified: &Identified) -> bool {
+    let place = fitted.unknowns.iter().position(|u| u.quantity == Quantity::Law(Hook::StribeckVelocity));
+    place.is_some_and(|place| {
+        let velocity = &identified.parameters[place];
+        velocity.interval95.map_or(velocity.value, |(_, high)| high) > study.scales.velocity
+    })
 }
 
 /// Takes the intervals back where the contact only sticks, or where this law is not that of the contact; `cut` is the share of χ²
