@@ -6,6 +6,8 @@
 
 mod leeway;
 mod march;
+mod mean;
+mod sizes;
 
 use crate::effects::FREE;
 use crate::series_fit::SeriesContact;
@@ -17,6 +19,7 @@ use frettrace_friction::effects::{Hook, ModifiedLaw, ModifiedState};
 use frettrace_identify::{Fit, FitSettings, IdentifyError, Model, NoSolution, Parameter, Transform, fit};
 pub(crate) use leeway::{Leeway, Moved};
 pub(crate) use march::{LANES, columns};
+pub(crate) use mean::mean_force;
 use nalgebra::{DMatrix, DMatrixViewMut};
 use num_complex::Complex64;
 use std::borrow::Cow;
@@ -237,42 +240,6 @@ impl Recovered {
     fn count(&self) -> usize {
         2 * (self.force.len() - self.first)
     }
-
-    /// RMS of the friction force over the mean normal force; presliding stiffness (1/m) as it is where the contact sticks, that over the RMS
-    /// of the slip, and as it is after reversals.
-    fn sizes(&self) -> [f64; 3] {
-        let samples = self.slip.len() as f64;
-        let force = (0.5 * self.force.iter().skip(1).map(Complex64::norm_sqr).sum::<f64>()).sqrt();
-        let share = force / (self.normal.iter().sum::<f64>() / samples).max(f64::MIN_POSITIVE);
-        let stuck = share / self.stroke().max(f64::MIN_POSITIVE);
-        [share, stuck, self.stiffness_after_reversals(force).unwrap_or(stuck)]
-    }
-
-    /// Median over the reversals of the period of `F/(N Δu)`: the force at a reversal over the mean normal force and the way to where the
-    /// force is zero. It is the stiffness of a bristle that slides at the turn and yields linearly, 1/ln 2 of it for one that yields exponentially.
-    fn stiffness_after_reversals(&self, size: f64) -> Option<f64> {
-        let samples = self.slip.len();
-        let mut lines = vec![Complex64::ZERO; self.grid.order() + 1];
-        lines.iter_mut().zip(&self.force).skip(1).for_each(|(line, force)| *line = *force);
-        let mut force = vec![0.0; samples];
-        self.grid.evaluate(&lines, &mut force, &mut self.grid.scratch());
-        let turns = |k: &usize| self.velocity[*k] * self.velocity[(k + 1) % samples] <= 0.0;
-        let secant = |turn: usize| {
-            let from = (turn + 1) % samples;
-            let signs = (force[from].signum(), self.velocity[from].signum());
-            let at = |step: usize| (from + step) % samples;
-            let ways = (1..samples).take_while(|&step| self.velocity[at(step)] * signs.1 > 0.0);
-            let zero = ways.into_iter().find(|&step| force[at(step)] * signs.0 <= 0.0)?;
-            let normal = (0..=zero).map(|step| self.normal[at(step)]).sum::<f64>() / (zero + 1) as f64;
-            let way = (self.slip[at(zero)] - self.slip[from]).abs();
-            Some(force[from].abs() / (normal * way))
-                .filter(|stiffness| stiffness.is_normal() && *stiffness > 0.0)
-        };
-        let loaded = (0..samples).filter(turns).filter(|k| force[(k + 1) % samples].abs() > 0.5 * size);
-        let mut found: Vec<f64> = loaded.filter_map(secant).collect();
-        found.sort_by(f64::total_cmp);
-        found.get(found.len() / 2).copied()
-    }
 }
 
 /// Recovered contacts of periodic runs, line by line, and of the others, bin by bin.
@@ -285,23 +252,6 @@ pub(crate) struct Contacts {
 }
 
 impl Contacts {
-    /// Friction coefficient and presliding stiffness (1/m) by their sizes: the largest RMS of `F/N`, where the contact slides most, and the
-    /// larger of `F/(N u)`, where it sticks most, and of what most runs show after reversals. `None` without periodic runs.
-    pub fn sizes(&self) -> Option<[f64; 2]> {
-        let runs: Vec<[f64; 3]> = self.periodic.iter().map(Recovered::sizes).collect();
-        let largest = |k: usize| runs.iter().map(|sizes| sizes[k]).reduce(f64::max);
-        let mut reversals: Vec<f64> = runs.iter().map(|sizes| sizes[2]).collect();
-        reversals.sort_by(f64::total_cmp);
-        let sizes = [largest(0)?, largest(1)?.max(*reversals.get(reversals.len() / 2)?)];
-        sizes.iter().all(|x| x.is_normal()).then_some(sizes)
-    }
-
-    /// Largest slip velocity (m/s); `None` without periodic runs.
-    pub fn fastest(&self) -> Option<f64> {
-        let speeds = self.periodic.iter().flat_map(|one| &one.velocity).map(|v| v.abs());
-        speeds.reduce(f64::max).filter(|v| v.is_normal())
-    }
-
     /// The same where the structure leaves open what it does around another law.
     pub fn around(&self, law: &ModifiedLaw<f64>, modulation: FrequencyRatio) -> Self {
         let leeway = self.leeway.as_ref().and_then(|leeway| leeway.around((law, modulation)));
@@ -539,50 +489,6 @@ impl Model for ContactProblem<'_> {
         let finite = residual.iter().chain(jacobian.iter()).all(|value| value.is_finite());
         if finite { Ok(()) } else { Err(NoSolution) }
     }
-}
-
-/// Distance between mean slips that are tried, as a share of the wave of a periodic friction, …
-const OF_WAVE: f64 = 0.125;
-/// … or, where it is not periodic, of the RMS of the slip, …
-const OF_STROKE: f64 = 0.6;
-/// … waves (or RMS of the slip) to either side in which the mean is sought, places that are fitted, and steps each gets.
-const SOUGHT: f64 = 2.0;
-const PLACES: usize = 3;
-const MEAN_STEPS: usize = 8;
-
-impl Recovered {
-    /// Mean slips (m), those that a law answers best first.
-    fn places(&self, (law, modulation): (ModifiedLaw<f64>, FrequencyRatio)) -> Vec<f64> {
-        let wave = law.get(Hook::PeriodicNumber).map(|number| std::f64::consts::TAU / number);
-        let (size, share) = wave.map_or((self.stroke(), OF_STROKE), |wave| (wave, OF_WAVE));
-        let most = (SOUGHT / share).floor() as i32;
-        let mut left = vec![0.0; self.around(0.0).count()];
-        let mut tried: Vec<(f64, f64)> = (-most..=most)
-            .map(|k| {
-                let mean = f64::from(k) * share * size;
-                self.around(mean).residual(&law, modulation, &mut left);
-                (left.iter().map(|r| r * r).sum(), mean)
-            })
-            .collect();
-        tried.sort_by(|a: &(f64, f64), b| a.0.total_cmp(&b.0));
-        tried.into_iter().map(|(_, mean)| mean).collect()
-    }
-}
-
-/// Mean slip (m) around which a law whose friction depends on the contact's place answers a recovered run best.
-fn mean_slip(recovered: &Recovered, law: (ModifiedLaw<f64>, FrequencyRatio)) -> Option<f64> {
-    let one = Contacts { periodic: vec![recovered.clone()], series: Vec::new(), leeway: None };
-    let problem = ContactProblem::new(&one, law, (Vec::new(), Vec::new()));
-    let places = recovered.places(law).into_iter().take(PLACES);
-    let found = places.filter_map(|mean| problem.solve(MEAN_STEPS, &[mean]).ok());
-    let best = found.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-    problem.means(&best.values).first().copied()
-}
-
-/// Mean of the friction force (N) that a law whose friction depends on the contact's place has in a recovered run: of the places
-/// where it may be, the one that the run was recovered from.
-pub(crate) fn mean_force(recovered: &Recovered, law: (ModifiedLaw<f64>, FrequencyRatio)) -> Option<f64> {
-    mean_slip(recovered, law).map(|mean| -mean / recovered.give)
 }
 
 /// Recovers the contact of the selected runs.

@@ -1,3 +1,4 @@
+use super::mean::mean_slip;
 use super::*;
 use crate::Scales;
 use crate::effects::ALL;
@@ -228,4 +229,20 @@ fn directions(
     };
     let columns = [first, second].map(|moved| left(moved) - left(plain));
     DMatrix::from_columns(&columns.map(|column| column.column(0).into_owned()))
+}
+
+/// A contact that slides in every run: after a reversal a Dahl bristle loses its force over `ln 2` of `μ/σ0`, an elastic one over less, so
+/// that the stiffness read off there is that of the law to a factor of 1.5, where the force over the slip tells a fifth of it.
+#[test]
+fn reversals_tell_the_stiffness_of_what_slides() {
+    for law in [laws()[0], laws()[2]] {
+        let mut one = motion(false);
+        let (_, force) = one.settled(&law, FrequencyRatio::ONE);
+        one.force = one.lines(&force)[..one.force.len()].to_vec();
+        let contacts = Contacts { periodic: vec![one], series: Vec::new(), leeway: None };
+        let [mu, sigma0] = contacts.sizes().unwrap();
+        let [own_mu, own] = [Hook::MuKinetic, Hook::Sigma0].map(|hook| law.get(hook).unwrap());
+        assert!((0.8..1.5).contains(&(mu / own_mu)), "{mu}");
+        assert!((0.8..1.6).contains(&(sigma0 / own)), "{sigma0:e}");
+    }
 }
