@@ -193,8 +193,9 @@ impl Case {
     /// Tells hum that every sensor hears from a motion of the beam: with `x` the distance from the clamp, motion follows `x²`, `x³` and `x⁴`
     /// to a tenth, and hum in all channels either follows nothing or is the same in all.
     pub fn tell_motion_from_hum(&mut self) {
-        let frequencies: Vec<f64> =
+        let mut frequencies: Vec<f64> =
             self.faults.iter().filter_map(hum).map(|[frequency, ..]| frequency).collect();
+        frequencies.dedup();
         for frequency in frequencies {
             let of_it = |fault: &ChannelFault| hum(fault).filter(|[own, ..]| *own == frequency);
             let heard = self.faults.iter().filter_map(|fault| Some((fault.sensor, of_it(fault)?)));

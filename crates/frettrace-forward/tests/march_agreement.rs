@@ -8,8 +8,8 @@ mod problems;
 
 use frettrace_beam::{Boundary, Dof, ModalModel, ModalOptions, UniformBeam};
 use frettrace_forward::hb::{
-    Accuracy, AdaptiveSolver, Contact, Element, Family, Friction, Lines, Load, Network, Normal, Problem,
-    Reading, Settings, Status, Stop,
+    Accuracy, AdaptiveSolver, Contact, Declared, Element, Family, Friction, Lines, Load, Network, Normal,
+    Problem, Reading, Settings, Status, Stop,
 };
 use frettrace_forward::march::{
     Assembly, Characteristic, FrictionContact, LocalLoad, March, Normal as MarchNormal, Port, SettleOptions,
@@ -189,21 +189,6 @@ fn beam_on_its_friction_support() {
     }
 }
 
-/// Any smooth law of the catalogue.
-struct Smooth(FrictionModel);
-
-impl Family for Smooth {
-    type Law<T: Scalar> = Friction<FrictionModel<T>>;
-
-    fn parameters(&self) -> &[f64] {
-        &[]
-    }
-
-    fn law<T: Scalar>(&self, _: &[T]) -> Self::Law<T> {
-        Friction(self.0.lift())
-    }
-}
-
 /// Rigs declared as the practice sets are, with rounded dimensions of our own: a steel beam whose face turns over its support
 /// (slip by rotation, the normal force follows the motion) or whose end slides sideways (a free end, constant normal force), five
 /// or six damping ratios about 0.6 %, driven at 1.005 times its first frequency or between the first two.
@@ -260,7 +245,7 @@ impl Rig {
         let channels = vec![Reading::motion(1), pressed, Reading::motion(3)];
         let mut network = Network::new(structure.clone(), channels, vec![1]);
         network.loads.push(Load { port: 0, harmonic: 1, amplitude: force.into() });
-        let element = Smooth(law);
+        let element = Declared(law);
         let contact =
             Contact { slip: 0, normal: Normal::Channel(1), force: 0, normal_force: None, element: &element };
         let omega = std::f64::consts::TAU * self.hertz;

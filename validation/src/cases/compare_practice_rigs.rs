@@ -5,14 +5,13 @@ use crate::practice::{ABSENT, folder};
 use anyhow::Context;
 use frettrace_beam::{Boundary, Dof, ModalModel, ModalOptions, UniformBeam};
 use frettrace_forward::hb::{
-    Accuracy, AdaptiveSolver, Contact, Family, Friction, Load, Network, Normal, Problem, Reading, Settings,
-    Status,
+    Accuracy, AdaptiveSolver, Contact, Declared, Load, Network, Normal, Problem, Reading, Settings, Status,
 };
 use frettrace_forward::march::{
     Assembly, FrictionContact, March, Normal as MarchNormal, Port, SettleOptions, Settling, Structure, settle,
 };
 use frettrace_fourier::{Harmonics, Lines, Projector, refine};
-use frettrace_friction::{FrictionModel, Law, Scalar};
+use frettrace_friction::{FrictionModel, Law};
 use frettrace_measurement::{Measurement, Run, SlipKind, read_measurement};
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
@@ -257,21 +256,6 @@ impl Set {
             }
         }
         lines
-    }
-}
-
-/// Any law of the catalogue as an element of the balance.
-struct Declared(FrictionModel);
-
-impl Family for Declared {
-    type Law<T: Scalar> = Friction<FrictionModel<T>>;
-
-    fn parameters(&self) -> &[f64] {
-        &[]
-    }
-
-    fn law<T: Scalar>(&self, _: &[T]) -> Self::Law<T> {
-        Friction(self.0.lift())
     }
 }
 

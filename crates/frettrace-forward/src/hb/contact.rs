@@ -1,6 +1,6 @@
 //! What sits between channels and forces: contact laws written over any scalar, and where they are connected.
 
-use frettrace_friction::{FrictionLaw, Scalar, Step, Stretch};
+use frettrace_friction::{FrictionLaw, FrictionModel, Scalar, Step, Stretch};
 use std::ops::ControlFlow;
 
 /// Most internal states a law may have.
@@ -84,6 +84,21 @@ pub trait Family: Sync {
 
     /// The law with these parameters (as many as [`Self::parameters`] has).
     fn law<T: Scalar>(&self, parameters: &[T]) -> Self::Law<T>;
+}
+
+/// Any law of the catalogue with values that are given: none of its parameters is free.
+pub struct Declared(pub FrictionModel);
+
+impl Family for Declared {
+    type Law<T: Scalar> = Friction<FrictionModel<T>>;
+
+    fn parameters(&self) -> &[f64] {
+        &[]
+    }
+
+    fn law<T: Scalar>(&self, _: &[T]) -> Self::Law<T> {
+        Friction(self.0.lift())
+    }
 }
 
 /// Where the normal force of a contact comes from.

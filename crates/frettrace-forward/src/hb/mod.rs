@@ -33,7 +33,7 @@ mod tests;
 mod wedge;
 
 pub use adaptive::{Accuracy, Adapted, AdaptiveSolver};
-pub use contact::{Contact, ContactLaw, Family, Friction, Normal, STATE_LIMIT};
+pub use contact::{Contact, ContactLaw, Declared, Family, Friction, Normal, STATE_LIMIT};
 pub use continuation::{Curve, Point, Sweep, SweepStatus};
 pub use element::{Element, Motion, Orbit, Partials};
 pub use floquet::Floquet;

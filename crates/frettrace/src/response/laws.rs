@@ -1,6 +1,6 @@
 //! Friction laws of a rig as elements of the harmonic balance.
 
-use frettrace_forward::hb::{Element, Family, Friction};
+use frettrace_forward::hb::{Declared, Element, Family, Friction};
 use frettrace_forward::simulate::SimulatedLaw;
 use frettrace_friction::effects::ModifiedLaw;
 use frettrace_friction::{Bristle, FrictionModel, Scalar, Steady, laws};
@@ -10,21 +10,6 @@ struct Bristly(Bristle<f64>);
 
 impl Family for Bristly {
     type Law<T: Scalar> = Friction<Bristle<T>>;
-
-    fn parameters(&self) -> &[f64] {
-        &[]
-    }
-
-    fn law<T: Scalar>(&self, _: &[T]) -> Self::Law<T> {
-        Friction(self.0.lift())
-    }
-}
-
-/// Any law of the catalogue.
-struct Declared(FrictionModel);
-
-impl Family for Declared {
-    type Law<T: Scalar> = Friction<FrictionModel<T>>;
 
     fn parameters(&self) -> &[f64] {
         &[]
