@@ -1,5 +1,6 @@
 //! What is declared: the rig, its runs, and how well its values are known.
 
+use crate::support::set_means;
 use crate::{ChannelFault, ExplainError, RunRecord, Split, Study, Unknown};
 use frettrace_beam::{ModalModel, ModalOptions};
 use frettrace_forward::accelerations::{
@@ -234,6 +235,7 @@ impl Case {
         {
             record.lines.known_force = found.beside.into_iter().next().unwrap_or_default();
         }
+        set_means(self.records.iter_mut().map(|record| &mut record.lines));
         self.rig.known_support = Some(position);
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! The acceleration-level model as something to fit.
 
+use crate::support::SupportForce;
 use frettrace_forward::accelerations::{
     AccelerationModel, Linearised, Memory, Prediction, Quantity, Setting,
 };
@@ -59,6 +60,7 @@ pub struct AccelerationFit<'a> {
     parameters: Vec<Parameter>,
     runs: Vec<usize>,
     warm: Memory,
+    support: Option<&'a SupportForce>,
 }
 
 impl<'a> AccelerationFit<'a> {
@@ -78,6 +80,36 @@ impl<'a> AccelerationFit<'a> {
             parameters: unknowns.iter().map(|u| u.parameter.clone()).collect(),
             runs,
             warm,
+            support: None,
+        }
+    }
+
+    /// The same with the force of a second support free in every line: what of the residuals it takes is left out.
+    #[must_use]
+    pub fn beside(self, support: Option<&'a SupportForce>) -> Self {
+        Self { support, ..self }
+    }
+
+    /// Real residuals of all lines of each run.
+    fn lines(&self) -> Vec<(usize, usize)> {
+        let count =
+            |run: &usize| self.model.runs[*run].acceleration.iter().map(|lines| 2 * lines.len()).sum();
+        self.runs.iter().map(|run| (*run, count(run))).collect()
+    }
+
+    /// Real residuals of each run, without those that the force of a second support takes.
+    #[must_use]
+    pub fn sizes(&self) -> Vec<usize> {
+        let taken = |run| self.support.map_or(0, |support| support.taken(run));
+        self.lines().into_iter().map(|(run, count)| count - taken(run)).collect()
+    }
+
+    /// What no force of a second support explains of columns of all lines.
+    #[must_use]
+    pub fn rest(&self, all: DMatrix<f64>) -> DMatrix<f64> {
+        match self.support {
+            Some(support) => support.rest(&self.lines(), all),
+            None => all,
         }
     }
 
@@ -110,6 +142,15 @@ impl<'a> AccelerationFit<'a> {
     }
 
     fn whiten(&self, predicted: &[impl AsPrediction], residual: &mut [f64]) {
+        if self.support.is_none() {
+            return self.whiten_lines(predicted, residual);
+        }
+        let mut all = DMatrix::zeros(self.lines().iter().map(|(_, count)| count).sum(), 1);
+        self.whiten_lines(predicted, all.as_mut_slice());
+        residual.copy_from_slice(self.rest(all).as_slice());
+    }
+
+    fn whiten_lines(&self, predicted: &[impl AsPrediction], residual: &mut [f64]) {
         let mut at = 0;
         self.each_line(|place, s, h, measured, std| {
             let left = (measured - predicted[place].lines()[s][h]) / std;
@@ -144,9 +185,7 @@ impl Model for AccelerationFit<'_> {
     }
 
     fn residual_count(&self) -> usize {
-        let mut count = 0;
-        self.each_line(|_, _, _, _, _| count += 2);
-        count
+        self.sizes().iter().sum()
     }
 
     fn memory(&self) -> Memory {
@@ -174,15 +213,24 @@ impl Model for AccelerationFit<'_> {
             .linearise(&self.at(values), &quantities, &self.runs, memory)
             .map_err(|_| NoSolution)?;
         self.whiten(&linearised, residual);
-        for (column, &j) in chosen.iter().enumerate() {
+        let write = |target: &mut DMatrix<f64>, column: usize, to: usize| {
             let mut at = 0;
             self.each_line(|place, s, h, _, std| {
                 let change = -linearised[place].columns[column][s][h] / std;
-                jacobian[(at, j)] = change.re;
-                jacobian[(at + 1, j)] = change.im;
+                target[(at, to)] = change.re;
+                target[(at + 1, to)] = change.im;
                 at += 2;
             });
+        };
+        if self.support.is_none() {
+            chosen.iter().enumerate().for_each(|(column, &j)| write(jacobian, column, j));
+            return Ok(());
         }
+        let rows = self.lines().iter().map(|(_, count)| count).sum();
+        let mut all = DMatrix::zeros(rows, chosen.len());
+        (0..chosen.len()).for_each(|column| write(&mut all, column, column));
+        let rest = self.rest(all);
+        chosen.iter().enumerate().for_each(|(column, &j)| jacobian.set_column(j, &rest.column(column)));
         Ok(())
     }
 }

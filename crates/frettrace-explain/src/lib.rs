@@ -22,6 +22,7 @@ mod shapes;
 mod split;
 mod start;
 mod study;
+pub mod support;
 mod tangents;
 mod unknown_force;
 mod unshared;

@@ -15,8 +15,6 @@ const BEST: usize = 3;
 const MORE: usize = 6;
 const UNMET: f64 = 1.5;
 const BESIDE: f64 = 1.5;
-/// Growth of the error by the noise of a recovered force among the inputs: with two forces from six sensors, a fifth in variance.
-const INPUT_NOISE: f64 = 1.1;
 /// A model is complete where its error stays within this factor of the noise, over all training runs …
 pub(crate) const COMPLETE: f64 = 1.05;
 /// … and in every run.
@@ -211,11 +209,8 @@ impl Study<'_> {
         // Runs without a period judge the law by what was recovered of them.
         let series = self.series_cost(&fitted.setting);
         let criterion = fitted.fit.cost + series + fitted.unknowns.len() as f64 * count.ln();
-        // Where a recovered force is an input, its noise comes on top of the sensors' own.
-        let allowance = if self.case.rig.known_support.is_some() { INPUT_NOISE } else { 1.0 };
-        let worst = self.training.iter().map(|&run| self.error(&fitted, &[run]).ratio()).fold(0.0, f64::max)
-            / allowance;
-        let ratio = self.error(&fitted, &self.training).ratio() / allowance;
+        let worst = self.training.iter().map(|&run| self.error(&fitted, &[run]).ratio()).fold(0.0, f64::max);
+        let ratio = self.error(&fitted, &self.training).ratio();
         let sensors = vec![None; effects.len()];
         Explained { effects, sensors, fitted, counts: Vec::new(), added, criterion, ratio, worst, residuals }
     }

@@ -6,6 +6,7 @@ use crate::search::Explained;
 use crate::series_fit::SeriesContact;
 use crate::split::{Split, by_level};
 use crate::start;
+use crate::support::SupportForce;
 use crate::{AccelerationFit, Case, RunRecord, Unknown};
 use frettrace_forward::accelerations::{
     AccelerationError, AccelerationModel, Memory, Prediction, Quantity, RunLines, SensorSetting, Setting,
@@ -54,6 +55,8 @@ pub struct Study<'a> {
     pub scales: Scales,
     /// Runs that are not periodic, with their indices.
     pub(crate) series: Vec<(usize, Arc<SeriesContact>)>,
+    /// What the force of a declared second support takes, once it is known how the declared model answers it.
+    pub(crate) support: Option<Arc<SupportForce>>,
 }
 
 /// A model fitted to the training runs.
@@ -137,7 +140,7 @@ impl<'a> Study<'a> {
             Some((run, Arc::new(contact)))
         });
         let series = series.collect();
-        Ok((Self { case, model, training, held_out, scales, series }, case.setting(law)))
+        Ok((Self { case, model, training, held_out, scales, series, support: None }, case.setting(law)))
     }
 
     /// Fits `unknowns` around `setting` to the training runs.
@@ -163,7 +166,8 @@ impl<'a> Study<'a> {
         let sizes = [self.scales.preload, self.scales.velocity];
         let sized: Vec<Unknown> = unknowns.iter().map(|unknown| unknown.sized(&setting.law, sizes)).collect();
         let problem =
-            AccelerationFit::new(&self.model, setting.clone(), &sized, self.training.clone(), warm.clone());
+            AccelerationFit::new(&self.model, setting.clone(), &sized, self.training.clone(), warm.clone())
+                .beside(self.support.as_deref());
         let mut memory = warm.clone();
         self.begin(&setting, &self.training, &mut memory);
         let mut found = fit_with_memory(&problem, &problem.start(), &settings, &mut memory);
@@ -229,6 +233,7 @@ impl<'a> Study<'a> {
             held_out: self.held_out.clone(),
             scales: self.scales,
             series: self.series.clone(),
+            support: self.support.clone(),
         }
     }
 
@@ -251,7 +256,8 @@ impl<'a> Study<'a> {
     pub(crate) fn residuals_of(&self, runs: &[usize]) -> usize {
         let of_run = |&run: &usize| {
             let lines = &self.model.runs[run];
-            2 * lines.acceleration.len() * lines.acceleration.first().map_or(0, Vec::len)
+            let all = 2 * lines.acceleration.len() * lines.acceleration.first().map_or(0, Vec::len);
+            all - self.support.as_ref().map_or(0, |support| support.taken(run))
         };
         runs.iter().map(of_run).sum()
     }
@@ -264,7 +270,8 @@ impl<'a> Study<'a> {
         self.residuals_of(&self.held_out) as f64 * self.error(fitted, &self.held_out).ratio().powi(2)
     }
 
-    /// Predictions of the selected runs; `None` where a run's balance does not close.
+    /// Predictions of the selected runs, with the force of a declared second support where it leaves least; `None` where a run's
+    /// balance does not close.
     #[must_use]
     pub fn predictions(&self, fitted: &Fitted, selected: &[usize]) -> Vec<Option<Prediction>> {
         let mut memory = fitted.memory.clone();
@@ -277,7 +284,11 @@ impl<'a> Study<'a> {
                 if found.is_err() && !self.training.contains(&run) {
                     found = self.model.approach(&fitted.setting, &[run], &mut memory);
                 }
-                found.ok().and_then(|p| p.into_iter().next())
+                let found = found.ok().and_then(|p| p.into_iter().next())?;
+                Some(match &self.support {
+                    Some(support) => support.completed(run, &self.model.runs[run], found),
+                    None => found,
+                })
             })
             .collect()
     }
@@ -288,14 +299,16 @@ impl<'a> Study<'a> {
     pub fn sensor_errors(&self, run: usize, prediction: Option<&Prediction>) -> Vec<RunError> {
         let record = &self.case.records[run];
         let samples = record.samples as f64;
+        let taken = self.support.as_ref().map(|support| support.noise_taken(run, &self.model.runs[run]));
         (0..record.power.len())
             .map(|s| {
                 let missed = prediction.map_or(record.power[s], |p| {
                     record.clipped_error(s, &p[s]).unwrap_or_else(|| record.line_error(s, &p[s]))
                 });
+                let taken = taken.as_ref().map_or(0.0, |taken| taken[s]);
                 RunError {
                     error: missed * samples,
-                    floor: record.noise[s].powi(2) * samples,
+                    floor: (record.noise[s].powi(2) - taken).max(0.0) * samples,
                     power: record.power[s] * samples,
                     count: samples,
                 }

@@ -12,7 +12,7 @@ use crate::fitting::AccelerationFit;
 use crate::search::Explained;
 use crate::study::merge;
 use crate::{Study, Unknown, signed};
-use frettrace_forward::accelerations::{COEFFICIENTS, Port, PortLaw, PortPlace, Quantity};
+use frettrace_forward::accelerations::{COEFFICIENTS, Memory, Port, PortLaw, PortPlace, Quantity, Setting};
 use frettrace_identify::Model;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -95,6 +95,16 @@ impl Study<'_> {
         })
     }
 
+    /// Some runs as something to fit.
+    fn problem(
+        &self,
+        setting: Setting,
+        unknowns: &[Unknown],
+        (runs, warm): (Vec<usize>, Memory),
+    ) -> AccelerationFit<'_> {
+        AccelerationFit::new(&self.model, setting, unknowns, runs, warm).beside(self.support.as_deref())
+    }
+
     /// The forms of a change of the structure.
     fn changes(&self, current: &Explained, id: &str, known: &Known) -> Vec<BalanceCandidate> {
         let Some(effect) = self.asked(current, id) else { return Vec::new() };
@@ -105,7 +115,7 @@ impl Study<'_> {
             let tangent = known.tangent(size.quantity).or_else(|| {
                 let (warm, runs) = (current.fitted.memory.clone(), known.runs.clone());
                 let own = std::slice::from_ref(&size);
-                let problem = AccelerationFit::new(&self.model, form.setting.clone(), own, runs, warm);
+                let problem = self.problem(form.setting.clone(), own, (runs, warm));
                 linearised(&problem).map(|(_, jacobian)| jacobian.column(0).into_owned())
             })?;
             let tangent = tangent.resize_vertically(known.left.len(), 0.0);
@@ -124,8 +134,7 @@ impl Study<'_> {
         let free = merge(&self.case.unknowns(), &current.added);
         let free: Vec<Unknown> = free.into_iter().filter(|u| setting.get(u.quantity).is_some()).collect();
         let warm = current.fitted.memory.clone();
-        let (residual, jacobian) =
-            linearised(&AccelerationFit::new(&self.model, setting, &free, runs.clone(), warm))?;
+        let (residual, jacobian) = linearised(&self.problem(setting, &free, (runs.clone(), warm)))?;
         let priors: Vec<(usize, f64)> = (free.iter().enumerate())
             .filter_map(|(j, u)| u.parameter.prior.map(|prior| (j, prior.std.recip())))
             .collect();
@@ -151,7 +160,7 @@ impl Study<'_> {
             .map(|k| signed(Quantity::Port(index, k), ("coefficient", ""), 1.0, FREE))
             .collect();
         let warm = current.fitted.memory.with_idle_port(index);
-        let problem = AccelerationFit::new(&self.model, setting, &unknowns, known.runs.clone(), warm);
+        let problem = self.problem(setting, &unknowns, (known.runs.clone(), warm));
         let Some((_, jacobian)) = linearised(&problem) else { return Vec::new() };
         let tangents = jacobian.resize_vertically(known.left.len(), 0.0);
         let candidate = |&(id, free): &(&str, &'static [usize])| {

@@ -77,7 +77,8 @@ impl<'a> Begun<'a> {
     fn new(case: &'a Case, split: Split) -> Result<Self, ExplainError> {
         let (study, setting) = Study::new(case, split)?;
         let mut search = Search::new(study);
-        let mut baseline = search.baseline(setting)?;
+        let declared = search.baseline(setting)?;
+        let mut baseline = search.beside_support(declared);
         if !baseline.complete() && (baseline.ratio < NEAR || baseline.fitted.setting.rigid) {
             let lacked = baseline.excess();
             baseline = search.further(baseline, lacked);

@@ -2,13 +2,18 @@
 
 use super::{BALANCE_CALIBRATED, BALANCE_WIDE, Search};
 use crate::search::Explained;
+use crate::support::SupportForce;
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::Setting;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Shares of a contact's stiffness that a fit begins from, until one has a steady answer.
 const SOFTER: [f64; 4] = [1.0, 0.2, 0.04, 0.008];
+
+/// Times that the force of a second support is told anew with the law, until the model closes.
+const RENEWALS: usize = 2;
 
 impl Search<'_> {
     /// The declared model: the law on the recovered contacts, then the whole.
@@ -55,6 +60,37 @@ impl Search<'_> {
         };
         // A declared model without a steady answer is still a model: it explains nothing.
         found.map_or_else(|| self.study.blank(setting.clone(), &unknowns), Ok)
+    }
+
+    /// The declared model with the force of a declared second support free in every line. Recovered without a law it is known worse
+    /// than with the right one: where that closes the model it is renewed, and otherwise stays, so that it does not bend to what
+    /// the model lacks.
+    pub(super) fn beside_support(&mut self, model: Explained) -> Explained {
+        let Some(first) = self.freed(&model) else { return model };
+        let (study, mut latest) = (self.study.clone(), first.clone());
+        for _ in 0..RENEWALS {
+            if latest.complete() {
+                return latest;
+            }
+            let Some(support) = self.study.support.clone() else { break };
+            support.renew(&mut self.study, &latest.fitted);
+            let Some(renewed) = self.freed(&latest) else { break };
+            latest = renewed;
+        }
+        if latest.complete() {
+            return latest;
+        }
+        self.study = study;
+        first
+    }
+
+    /// A model fitted with the support force free around where it predicts; `None` where no second support is declared or the model
+    /// has no answer.
+    fn freed(&mut self, model: &Explained) -> Option<Explained> {
+        let runs: Vec<usize> = self.study.training.iter().chain(&self.study.held_out).copied().collect();
+        let support = SupportForce::new(&self.study, &model.fitted, &runs).ok()??;
+        self.study.support = Some(Arc::new(support));
+        self.study.polished(model).ok()
     }
 
     /// The law with so much friction that no run slides: a rigid contact that held all the time tells nothing of its law but

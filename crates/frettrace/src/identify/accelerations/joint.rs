@@ -2,13 +2,14 @@
 
 use super::aperiodic::Aperiodic;
 use super::problem::{self, Problem};
-use super::support::{self, Support};
+use super::support;
 use crate::StudyError;
+use frettrace_explain::support::SupportForce;
 use frettrace_explain::{ExplainError, Fitted, Study, Unknown, positive};
 use frettrace_forward::accelerations::{Quantity, RunLines, Setting};
 use frettrace_friction::effects::Hook;
 use frettrace_identify::contact::Family;
-use frettrace_identify::{FitSettings, Model, Parameter, Transform, starts};
+use frettrace_identify::{FitSettings, Parameter, Transform, starts};
 use rayon::prelude::*;
 
 /// Linearisations of a fit: a good start needs less than ten.
@@ -46,7 +47,7 @@ const LOOSE: f64 = 0.3;
 /// A joint fit with what was compared beside plain lines.
 pub(super) struct Found {
     pub(super) fitted: Fitted,
-    support: Option<Support>,
+    support: Option<SupportForce>,
     pub(super) aperiodic: Aperiodic,
     /// Relative standard deviation of the mean normal force under the unknown mean of a second support's force.
     pub(super) normal_doubt: f64,
@@ -90,14 +91,13 @@ pub(super) fn fit(
     let mut found = Found { fitted, support: None, aperiodic, normal_doubt: 0.0 };
     found.fitted = polished(study, &found);
     for _ in 0..RENEWALS {
-        found.support = Support::new(study, &found.fitted)?;
-        let Some(support) = &found.support else { break };
+        found.support = SupportForce::new(study, &found.fitted, &study.training)?;
+        if found.support.is_none() {
+            break;
+        }
         found.fitted = polished(study, &found);
-        let fitted = &found.fitted;
-        let whole = Problem::new(study, fitted, (&fitted.unknowns, problem::Beside::default()));
-        let mut residual = vec![0.0; whole.residual_count()];
-        if whole.residual(&fitted.fit.values, &mut whole.memory(), &mut residual).is_ok() {
-            support.renew(study, &residual);
+        if let Some(support) = &found.support {
+            support.renew(study, &found.fitted);
         }
     }
     found.normal_doubt = support::doubt(study, &found.fitted);

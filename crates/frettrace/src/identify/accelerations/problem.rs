@@ -2,7 +2,7 @@
 //! support explains), then bins of the forces recovered of runs that are not periodic.
 
 use super::aperiodic::Aperiodic;
-use super::support::Support;
+use frettrace_explain::support::SupportForce;
 use frettrace_explain::{AccelerationFit, Fitted, Study, Unknown};
 use frettrace_forward::accelerations::Quantity;
 use frettrace_identify::{Model, NoSolution, Parameter};
@@ -12,7 +12,7 @@ use nalgebra::DMatrix;
 #[derive(Clone, Copy, Default)]
 pub(super) struct Beside<'a> {
     /// What the force of a second support takes.
-    pub(super) support: Option<&'a Support>,
+    pub(super) support: Option<&'a SupportForce>,
     /// Runs that are not periodic.
     pub(super) aperiodic: Option<&'a Aperiodic>,
 }
@@ -21,8 +21,7 @@ pub(super) struct Beside<'a> {
 pub(super) struct Problem<'a> {
     pub(super) accelerations: AccelerationFit<'a>,
     quantities: Vec<Quantity>,
-    sizes: Vec<usize>,
-    beside: Beside<'a>,
+    aperiodic: Option<&'a Aperiodic>,
 }
 
 impl<'a> Problem<'a> {
@@ -32,36 +31,25 @@ impl<'a> Problem<'a> {
         (unknowns, beside): (&[Unknown], Beside<'a>),
     ) -> Self {
         let (setting, runs) = (fitted.setting.clone(), study.training.clone());
-        let lines = |run: &usize| &study.model.runs[*run].acceleration;
+        let warm = fitted.memory.clone();
         Self {
-            accelerations: AccelerationFit::new(&study.model, setting, unknowns, runs, fitted.memory.clone()),
+            accelerations: AccelerationFit::new(&study.model, setting, unknowns, runs, warm)
+                .beside(beside.support),
             quantities: unknowns.iter().map(|u| u.quantity).collect(),
-            sizes: study.training.iter().map(|run| lines(run).iter().map(|l| 2 * l.len()).sum()).collect(),
-            beside,
+            aperiodic: beside.aperiodic,
         }
     }
 
     /// Residuals of each run: the periodic ones, then the others.
     pub(super) fn sizes(&self) -> Vec<usize> {
-        let mut sizes = self.sizes.clone();
-        if let Some(support) = self.beside.support {
-            sizes.iter_mut().zip(support.taken()).for_each(|(size, taken)| *size -= taken);
-        }
-        sizes.extend(self.beside.aperiodic.map(Aperiodic::sizes).unwrap_or_default());
+        let mut sizes = self.accelerations.sizes();
+        sizes.extend(self.aperiodic.map(Aperiodic::sizes).unwrap_or_default());
         sizes
-    }
-
-    /// What is left of columns of all lines.
-    fn rest(&self, all: DMatrix<f64>) -> DMatrix<f64> {
-        match self.beside.support {
-            Some(support) => support.rest(all),
-            None => all,
-        }
     }
 
     /// A change of the whitened prediction of the lines as a change of the residuals.
     pub(super) fn change(&self, of_lines: Vec<f64>) -> Vec<f64> {
-        let rest = self.rest(DMatrix::from_column_slice(of_lines.len(), 1, &of_lines));
+        let rest = self.accelerations.rest(DMatrix::from_column_slice(of_lines.len(), 1, &of_lines));
         let mut all = rest.as_slice().to_vec();
         all.resize(self.residual_count(), 0.0);
         all
@@ -89,12 +77,9 @@ impl<'a> Model for Problem<'a> {
         memory: &mut Self::Memory,
         residual: &mut [f64],
     ) -> Result<(), NoSolution> {
-        let mut all = vec![0.0; self.accelerations.residual_count()];
-        self.accelerations.residual(values, memory, &mut all)?;
-        let rest = self.rest(DMatrix::from_column_slice(all.len(), 1, &all));
-        let (head, tail) = residual.split_at_mut(rest.nrows());
-        head.copy_from_slice(rest.as_slice());
-        match self.beside.aperiodic {
+        let (head, tail) = residual.split_at_mut(self.accelerations.residual_count());
+        self.accelerations.residual(values, memory, head)?;
+        match self.aperiodic {
             Some(aperiodic) => aperiodic.residual(&self.accelerations.at(values), tail),
             None => Ok(()),
         }
@@ -108,20 +93,17 @@ impl<'a> Model for Problem<'a> {
         (residual, jacobian): (&mut [f64], &mut DMatrix<f64>),
     ) -> Result<(), NoSolution> {
         let count = self.accelerations.residual_count();
-        let mut all = vec![0.0; count];
+        let (head, tail) = residual.split_at_mut(count);
         let mut columns = DMatrix::zeros(count, values.len());
-        self.accelerations.linearise(values, free, memory, (&mut all, &mut columns))?;
-        let rest = self.rest(DMatrix::from_column_slice(count, 1, &all));
-        let (head, tail) = residual.split_at_mut(rest.nrows());
-        head.copy_from_slice(rest.as_slice());
-        jacobian.rows_mut(0, head.len()).copy_from(&self.rest(columns));
-        let Some(aperiodic) = self.beside.aperiodic else { return Ok(()) };
+        self.accelerations.linearise(values, free, memory, (head, &mut columns))?;
+        jacobian.rows_mut(0, count).copy_from(&columns);
+        let Some(aperiodic) = self.aperiodic else { return Ok(()) };
         let setting = self.accelerations.at(values);
         aperiodic.residual(&setting, tail)?;
         for j in (0..values.len()).filter(|j| free[*j]) {
             let of = (self.quantities[j], &self.parameters()[j]);
             let column = aperiodic.derivative((&setting, tail), of)?;
-            jacobian.view_mut((head.len(), j), (tail.len(), 1)).copy_from_slice(&column);
+            jacobian.view_mut((count, j), (tail.len(), 1)).copy_from_slice(&column);
         }
         Ok(())
     }
