@@ -43,7 +43,7 @@ pub(crate) struct Recovered {
     dt: f64,
     preload: f64,
     progress: f64,
-    worked: f64,
+    worked: [f64; 2],
     /// Line of the excitation.
     driven: usize,
     /// Phase at the first sample of a base line that follows the excitation (rad).

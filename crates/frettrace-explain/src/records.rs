@@ -244,7 +244,7 @@ impl RunRecord {
             omega: force.harmonics.base,
             preload: run.preload,
             progress,
-            worked: progress,
+            worked: [progress; 2],
             force: force_lines(&force, order),
             acceleration,
             deviation,

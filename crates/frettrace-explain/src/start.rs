@@ -125,21 +125,19 @@ pub(crate) fn scales(case: &Case, histories: &[ContactHistory]) -> Scales {
     }
 }
 
-/// Place of every run between the first and the last in the work that friction had done by the middle of it, from the recovered
-/// forces; that of the number of the run where friction does none. What was done in runs held out is told by those next to them in level.
+/// Place of every run, at its beginning and its end, between the middles of the first and the last in the work that friction had done,
+/// from the recovered forces; that of the number of the run where friction does none. What was done before a run is the rig's history, an
+/// input as the excitation is; what a run that is held out does itself is told by those next to it in level.
 pub(crate) fn worked(
     case: &Case,
     model: &AccelerationModel,
     setting: &Setting,
     held_out: &[usize],
-) -> Result<Vec<f64>, AccelerationError> {
+) -> Result<Vec<[f64; 2]>, AccelerationError> {
     let all: Vec<usize> = (0..case.records.len()).collect();
     let balances = model.balance(setting, &all)?;
     let power = |k: usize| {
         let record = &case.records[k];
-        if held_out.contains(&k) {
-            return None;
-        }
         match (&record.series, record.periodic) {
             (_, true) => Some(dissipated(&balances[k], record.lines.omega)),
             (Some(series), false) => Some(series.dissipated()),
@@ -147,21 +145,25 @@ pub(crate) fn worked(
         }
     };
     let known: Vec<Option<f64>> = all.iter().map(|&k| power(k)).collect();
-    let work = told_by_next(&by_level(case, &all), &known);
+    let ranked = by_level(case, &all);
+    let work = told_by_next(&ranked, &known);
+    let seen: Vec<Option<f64>> = all.iter().map(|k| known[*k].filter(|_| !held_out.contains(k))).collect();
+    let own = told_by_next(&ranked, &seen);
     let duration = |k: usize| case.records[k].samples as f64 / case.records[k].sampling_rate;
-    let mut before = 0.0;
-    let middle: Vec<f64> = all
+    let mut done = 0.0;
+    let ends: Vec<[f64; 2]> = all
         .iter()
         .map(|&k| {
-            let own = work[k].max(0.0) * duration(k);
-            before += own;
-            before - 0.5 * own
+            let before = done;
+            done += work[k].max(0.0) * duration(k);
+            [before, before + own[k].max(0.0) * duration(k)]
         })
         .collect();
-    let [first, last] = [middle.first(), middle.last()].map(|end| end.copied().unwrap_or_default());
+    let middle = |run: Option<&[f64; 2]>| run.map_or(0.0, |[before, after]| 0.5 * (before + after));
+    let [first, last] = [middle(ends.first()), middle(ends.last())];
     let place = |k: usize| match last - first {
-        whole if whole > 0.0 && whole.is_finite() => (middle[k] - first) / whole,
-        _ => case.records[k].lines.progress,
+        whole if whole > 0.0 && whole.is_finite() => ends[k].map(|end| (end - first) / whole),
+        _ => [case.records[k].lines.progress; 2],
     };
     Ok(all.iter().map(|&k| place(k)).collect())
 }

@@ -200,6 +200,31 @@ impl<'a> Study<'a> {
         Ok(finer.then(|| self.of_model(model)))
     }
 
+    /// The same with twice the lines of contact force in the runs alone whose predictions on such a grid differ by more than a tenth
+    /// of the variance of their lines; `None` where there is no such run.
+    ///
+    /// # Errors
+    /// [`ExplainError::Model`] where the grid cannot carry the lines.
+    pub(crate) fn resolved(&self, fitted: &Fitted) -> Result<Option<Self>, ExplainError> {
+        let Some(finer) = self.refined()? else { return Ok(None) };
+        let all: Vec<usize> = self.training.iter().chain(&self.held_out).copied().collect();
+        let [coarse, fine] = [self, &finer].map(|study| study.predictions(fitted, &all));
+        let mut runs = self.model.runs.clone();
+        let mut cut_short = false;
+        for ((&run, coarse), fine) in all.iter().zip(&coarse).zip(&fine) {
+            let (Some(coarse), Some(fine)) = (coarse, fine) else { continue };
+            let lines = coarse.iter().flatten().zip(fine.iter().flatten());
+            let deviations = runs[run].deviation.iter().flatten();
+            let parts = lines.zip(deviations).map(|((coarse, fine), std)| ((coarse - fine) / std).norm_sqr());
+            if parts.sum::<f64>() > CUT_SHORT * self.residuals_of(&[run]) as f64 {
+                runs[run] = finer.model.runs[run].clone();
+                cut_short = true;
+            }
+        }
+        let model = self.model.with_runs(runs)?;
+        Ok(cut_short.then(|| self.of_model(model)))
+    }
+
     /// Counts the error of the phase grid among the deviations of the lines. Twice the lines of force divide it by about three, so
     /// that this grid leaves half of what parts its predictions from those of the `coarser` one.
     pub fn doubt_grid(&mut self, coarser: &Self, fitted: &Fitted) {
@@ -402,6 +427,8 @@ const MOST_RIGID_LINES: usize = 256;
 const FINEST_LINES: usize = 1536;
 /// Share of the difference between the predictions of two grids, one twice as fine as the other, that the finer one leaves.
 const GRID_LEFT: f64 = 0.5;
+/// χ² per residual by which a grid that cuts the contact's force short may miss a run: a tenth of the variance.
+const CUT_SHORT: f64 = 0.1;
 /// Most samples of the phase grid.
 const FINEST_SAMPLES: usize = 8192;
 

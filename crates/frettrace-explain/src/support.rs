@@ -230,7 +230,7 @@ mod tests {
             omega: 1.0,
             preload: 1.0,
             progress: 0.0,
-            worked: 0.0,
+            worked: [0.0; 2],
             force: vec![Complex64::ZERO; 3],
             acceleration: vec![(0..3).map(line).collect(), (3..6).map(line).collect()],
             deviation: vec![vec![0.1, 0.2, 0.3], vec![0.4, 0.5, 0.6]],

@@ -169,7 +169,10 @@ impl Search<'_> {
     fn close(&mut self, baseline: &Explained) -> Result<Explained, ExplainError> {
         let mut single = None;
         let current = self.extended(baseline, &mut single)?;
-        if current.complete() || current.sufficient(baseline) {
+        if current.complete() {
+            return Ok(self.sharpened(current));
+        }
+        if current.sufficient(baseline) {
             return Ok(current);
         }
         let Some((one, rivals)) = single else { return Ok(current) };
@@ -313,7 +316,8 @@ impl Search<'_> {
             current.complete() || kinked && search.refined > 0 && search.within_method(current)
         };
         while !told(self, &current) && near && self.refined < most {
-            let Ok(Some(mut study)) = self.study.refined() else { break };
+            let finer = if kinked { self.study.refined() } else { self.study.resolved(&current.fitted) };
+            let Ok(Some(mut study)) = finer else { break };
             match on_finer(&study, &current) {
                 Some(mut better) if better.excess() < FINER * current.excess() => {
                     if kinked && let Some(doubted) = doubting(&mut study, &self.study, &better) {
@@ -326,6 +330,21 @@ impl Search<'_> {
                 }
                 _ => break,
             }
+        }
+        current
+    }
+
+    /// A complete model with names, whose lines hold more than the noise, on finer grids: what the kinks of the contact send
+    /// beyond the lines of a grid comes back to all of them, and is nothing that the names leave.
+    fn sharpened(&mut self, mut current: Explained) -> Explained {
+        while self.refined < MOST_REFINED && !current.effects.is_empty() && !current.left().is_near_noise() {
+            let Ok(Some(study)) = self.study.resolved(&current.fitted) else { break };
+            let left = FINER * current.left().excess();
+            let sharper = on_finer(&study, &current);
+            let Some(sharper) = sharper.filter(|s| s.complete() && s.left().excess() < left) else { break };
+            self.study = study;
+            self.refined += 1;
+            current = sharper;
         }
         current
     }

@@ -37,7 +37,7 @@ fn model() -> AccelerationModel {
             omega: std::f64::consts::TAU * 94.3,
             preload: 70.0,
             progress,
-            worked: progress,
+            worked: [progress; 2],
             force: lines,
             acceleration: vec![vec![Complex64::ZERO; ORDER + 1]; 3],
             deviation: vec![vec![1e-8; ORDER + 1]; 3],

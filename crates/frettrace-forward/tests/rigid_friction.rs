@@ -118,7 +118,7 @@ fn balanced(force: f64, order: usize) -> Vec<Complex64> {
         omega: OMEGA,
         preload: PRELOAD,
         progress: 0.0,
-        worked: 0.0,
+        worked: [0.0; 2],
         force: force_lines,
         acceleration: vec![vec![Complex64::ZERO; LINES + 1]],
         deviation: vec![vec![1e-6 * force; LINES + 1]],

@@ -25,7 +25,7 @@ fn motion(rigid: bool) -> Recovered {
         dt: 0.05 / samples as f64,
         preload: 50.0,
         progress: 0.4,
-        worked: 0.7,
+        worked: [0.7; 2],
         driven: 1,
         base_phase: 0.3,
         give: 1e-4,

@@ -1,6 +1,6 @@
 //! `friction.exponent`.
 //!
-//! *Adds*: the exponent of the bristle law, `|1 − r|^i`.
+//! *Adds*: the exponent of the bristle law, `|1 − r|^i`; after a breakaway `|1 − α(r) r|^i`, or the loading `r|r|^{n−1}` in it.
 //!
 //! *Shows as*: the bend between presliding and sliding is sharper or rounder.
 //!
@@ -30,10 +30,11 @@ impl Effect for FrictionExponent {
     }
 
     fn contact_forms(&self, law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<ContactForm> {
-        if known(law, &[Hook::Exponent, Hook::Breakaway]) {
+        if known(law, &[Hook::Exponent]) {
             return Vec::new();
         }
         vec![
+            // After a breakaway it bends the flow `1 − α(r) r` as a whole …
             ContactForm::new(vec![Change::between(Hook::Exponent, 0.8, (0.02, 8.0))]),
             ContactForm::new(vec![Change::between(Hook::Exponent, 1.3, (0.02, 8.0))]),
             // The exponent on the loading itself, as hysteresis models of Bouc's kind have it.

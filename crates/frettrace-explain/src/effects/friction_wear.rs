@@ -32,19 +32,21 @@ impl Effect for FrictionWear {
 
     fn contact_forms(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<ContactForm> {
         let change = || Change::linear(Hook::Wear, 0.02, 0.05, (-0.9, 5.0));
+        let by_work = || Change::fixed(Hook::WearWork, 1.0);
+        let settling = || Change::between(Hook::WearSettling, 3.0, (-6.0, 40.0));
+        let own = || Change::linear(Hook::WearOwn, 0.5, 0.5, (0.0, 1.0));
         let course = |start| Change::between(Hook::WearExponent, start, (0.1, 12.0));
         vec![
             ContactForm::new(vec![change()]),
             ContactForm::new(vec![change(), course(0.5)]),
             ContactForm::new(vec![change(), course(3.0)]),
             ContactForm::new(vec![change(), Change::between(Hook::WearSettling, 3.0, (-6.0, 12.0))]),
-            // With the work that friction has done, steadily and settling.
-            ContactForm::new(vec![change(), Change::fixed(Hook::WearWork, 1.0)]),
-            ContactForm::new(vec![
-                change(),
-                Change::fixed(Hook::WearWork, 1.0),
-                Change::between(Hook::WearSettling, 3.0, (-6.0, 40.0)),
-            ]),
+            // With the work that friction has done, steadily and settling …
+            ContactForm::new(vec![change(), by_work()]),
+            ContactForm::new(vec![change(), by_work(), settling()]),
+            // … where the rig ran at a level before its record began, or rested within it.
+            ContactForm::new(vec![change(), by_work(), own()]),
+            ContactForm::new(vec![change(), by_work(), settling(), own()]),
         ]
     }
 

@@ -21,7 +21,7 @@ pub(super) struct Contact<'a> {
     pub dt: f64,
     pub preload: f64,
     pub progress: f64,
-    pub worked: f64,
+    pub worked: [f64; 2],
     /// Order of the line with which the preload is modulated.
     pub modulation: usize,
     /// Phase of that line at the first sample (rad).

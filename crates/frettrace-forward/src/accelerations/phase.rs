@@ -93,7 +93,7 @@ mod tests {
             omega: 100.0,
             preload: 50.0,
             progress: 0.0,
-            worked: 0.0,
+            worked: [0.0; 2],
             force: vec![Complex64::ZERO, Complex64::ZERO, line(2.0, 3.0.into())],
             acceleration: vec![vec![Complex64::ZERO, line(1.0, half), line(2.0, Complex64::new(0.0, 4.0))]],
             deviation: vec![vec![1e-2; 3]],

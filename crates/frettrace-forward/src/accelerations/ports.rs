@@ -11,7 +11,8 @@ pub enum PortLaw {
     Polynomial,
     /// A stop on one side: `c₀ (d − c₁)⁺ + c₂ ḋ` while in touch; the side is the sign of `c₃` (not fitted).
     Stop,
-    /// A support spring that cannot pull: `−(k d − P)⁺` with `k = c₀`, `P = c₁`.
+    /// A support spring with a damper beside it that cannot pull: `c ḋ − (k d + c ḋ − P)⁺` with `k = c₀`, `P = c₁`, `c = c₂`; the
+    /// spring itself is part of the structure.
     LiftOff,
     /// `c₀ d² + c₁ d³ + c₂ d⁴ + c₃ d⁵`.
     Stiffening,
@@ -59,12 +60,12 @@ impl PortLaw {
             },
             Self::Stop => stop(c, d, v),
             Self::LiftOff => {
-                let (gap, slope) = positive(c[0] * d - c[1], 1e-6 * c[1].abs());
+                let (gap, slope) = positive(c[0] * d + c[2] * v - c[1], 1e-6 * c[1].abs());
                 PortForce {
-                    force: -gap,
+                    force: c[2] * v - gap,
                     stiffness: -slope * c[0],
-                    damping: 0.0,
-                    coefficients: [-slope * d, slope, 0.0, 0.0],
+                    damping: c[2] * (1.0 - slope),
+                    coefficients: [-slope * d, slope, v * (1.0 - slope), 0.0],
                 }
             }
             Self::Stiffening => {
@@ -167,6 +168,7 @@ mod tests {
             (PortLaw::Polynomial, [2.0, 0.3, 5.0, 0.7]),
             (PortLaw::Stop, [2.0, 0.1, 0.4, -1.0]),
             (PortLaw::LiftOff, [3.0, 0.5, 0.0, 0.0]),
+            (PortLaw::LiftOff, [3.0, 0.5, 0.4, 0.0]),
             (PortLaw::Stiffening, [2.0, 4.0, -3.0, 5.0]),
             (PortLaw::Yielding, [2.0, 0.3, 0.0, 0.0]),
             (PortLaw::Power, [2.0, 1.4, 0.2, 0.0]),

@@ -17,8 +17,8 @@ pub struct RunLines {
     pub preload: f64,
     /// Place between the first run (0) and the last (1).
     pub progress: f64,
-    /// The same in the work that friction had done by the middle of each run.
-    pub worked: f64,
+    /// The same in the work that friction had done when the run began and when it ended.
+    pub worked: [f64; 2],
     /// Excitation force (N).
     pub force: Vec<Complex64>,
     /// Accelerations (m/s²), one vector of lines a sensor.

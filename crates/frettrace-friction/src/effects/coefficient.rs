@@ -96,7 +96,10 @@ impl<T: Scalar> ModifiedLaw<T> {
         if self.on(Hook::Wear) {
             let mut course = T::from(circumstance.progress);
             if self.on(Hook::WearWork) {
-                course += self.at(Hook::WearWork) * (circumstance.worked - circumstance.progress);
+                let [before, after] = circumstance.worked;
+                let own = if self.on(Hook::WearOwn) { self.at(Hook::WearOwn) } else { T::from(0.5) };
+                let worked = own * (after - before) + before;
+                course += self.at(Hook::WearWork) * (worked - circumstance.progress);
             }
             if self.on(Hook::WearExponent) && course.re() > 0.0 {
                 course = (self.at(Hook::WearExponent) * course.ln()).exp();

@@ -1,7 +1,7 @@
 //! The parameters of the modified law.
 
 /// Number of hooks.
-pub const HOOKS: usize = 73;
+pub const HOOKS: usize = 74;
 
 /// A parameter of [`ModifiedLaw`](super::ModifiedLaw): those of the declared laws first, then those of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -148,6 +148,8 @@ pub enum Hook {
     BristleTurn,
     /// Share of a course of wear with the work that friction has done, beside one with the number of the run.
     WearWork,
+    /// Share of a run's own work that counts in its wear; half of it where this is not set.
+    WearOwn,
     /// Spring beside the contact that is met beyond a gap on either side (N/m).
     ShoulderStiffness,
     /// That gap \[m\].
@@ -230,6 +232,7 @@ impl Hook {
         Self::BristleAsymmetry,
         Self::BristleTurn,
         Self::WearWork,
+        Self::WearOwn,
         Self::ShoulderStiffness,
         Self::ShoulderGap,
         Self::DampingStuck,
@@ -353,6 +356,7 @@ impl Hook {
             Self::BristleAsymmetry => ("bristle_asymmetry", "1"),
             Self::BristleTurn => ("bristle_turn", "1"),
             Self::WearWork => ("wear_by_work", "1"),
+            Self::WearOwn => ("wear_own_work", "1"),
             Self::ShoulderStiffness => ("shoulder_stiffness", "N/m"),
             Self::ShoulderGap => ("shoulder_gap", "m"),
             Self::DampingStuck => ("damping_stuck", "1"),

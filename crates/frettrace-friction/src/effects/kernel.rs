@@ -86,8 +86,16 @@ fn runge_kutta<T: Scalar>(mut value: T, (h, count): (T, f64), flow: impl Fn(T) -
     value
 }
 
-/// Elasto-plastic flow `dr = (1 − α(r)·r)dξ` by the classical Runge-Kutta rule in steps of at most a quarter.
-pub(super) fn elasto_plastic<T: Scalar>(mut ratio: T, (breakaway, straight): (T, T), mut xi: T) -> T {
+/// Relaxations of the width of the rise of an elasto-plastic flow in which it is passed.
+const PASSED: f64 = 4.0;
+
+/// Elasto-plastic flow `dr = φ(r)dξ`, `φ = 1` up to the breakaway, by the classical Runge-Kutta rule in steps of at most a quarter, and of a
+/// quarter of the rise where that is passed.
+pub(super) fn elasto_plastic<T: Scalar>(
+    mut ratio: T,
+    (breakaway, flow): (T, impl Fn(T) -> T),
+    mut xi: T,
+) -> T {
     // Purely elastic up to the breakaway: that stretch is exact.
     let room = breakaway - ratio;
     if room.re() > 0.0 {
@@ -97,22 +105,19 @@ pub(super) fn elasto_plastic<T: Scalar>(mut ratio: T, (breakaway, straight): (T,
         ratio = breakaway;
         xi -= room;
     }
-    let count = (xi.re() / 0.25).ceil().clamp(1.0, 64.0);
-    let h = xi / count;
-    let flow = |r: T| -(rise(r, breakaway, straight) * r) + 1.0;
-    runge_kutta(ratio, (h, count), flow)
+    let width = -breakaway + 1.0;
+    let rising = width.re() * PASSED;
+    if xi.re() > rising {
+        let risen = bent(ratio, (&flow, 0.25 * width.re()), width * PASSED);
+        return bent(risen, (&flow, 0.25), xi - width * PASSED);
+    }
+    bent(ratio, (&flow, 0.25 * width.re()), xi)
 }
 
-/// Flow `dr = (1 − r|r|^{n−1})dξ` by the classical Runge-Kutta rule in steps of at most a quarter.
-pub(super) fn powered<T: Scalar>(ratio: T, exponent: T, xi: T) -> T {
-    let count = (xi.re() / 0.25).ceil().clamp(1.0, 64.0);
-    let h = xi / count;
-    let flow = |r: T| {
-        let size = r.abs() + 1e-12;
-        let power = (size.ln() * exponent).exp();
-        if r.re() < 0.0 { power + 1.0 } else { -power + 1.0 }
-    };
-    runge_kutta(ratio, (h, count), flow)
+/// Flow `dr = φ(r)dξ` by the classical Runge-Kutta rule in steps of at most the given size.
+pub(super) fn bent<T: Scalar>(ratio: T, (flow, step): (impl Fn(T) -> T, f64), xi: T) -> T {
+    let count = (xi.re() / step).ceil().clamp(1.0, 64.0);
+    runge_kutta(ratio, (xi / count, count), flow)
 }
 
 /// Play `y` that closes gradually, `dy = (1 − max(y, 0)ⁿ)dξ`: exact up to the middle, from there by the classical Runge-Kutta rule in

@@ -2,7 +2,7 @@
 //! coefficient, the deflection. Only the last of these depends on the deflection itself.
 
 use super::hooks::Hook;
-use super::kernel::{elasto_plastic, power, powered, relax, rise};
+use super::kernel::{bent, elasto_plastic, power, relax, rise};
 use super::modified::{Circumstance, End, ModifiedLaw, Stretch, sense};
 use crate::bristle::Friction;
 use crate::law::{Scalar, Stroke};
@@ -74,7 +74,8 @@ impl<T: Scalar> Leg<T> {
             return Flow::Whole(part([friction[0]; 2], travel, [start, stop]));
         }
         let stepwise = [Hook::SeriesCompliance, Hook::BreakawayShape, Hook::FlowPower];
-        if stepwise.into_iter().any(|hook| law.on(hook)) {
+        let rounded = law.on(Hook::Breakaway) && law.on(Hook::Exponent);
+        if rounded || stepwise.into_iter().any(|hook| law.on(hook)) {
             let [first, mid, last] = friction;
             return Flow::Halves([
                 part([first, mid], middle.slip - start.slip, [start, middle]),
@@ -157,11 +158,11 @@ impl<T: Scalar> Part<T> {
 
     fn by(&self, law: &ModifiedLaw<T>, b: T, (sign, xi): (f64, T)) -> T {
         let mean = (self.mu[0] + self.mu[1]) * 0.5;
+        let flow = |ratio| law.yielding(ratio);
         if law.on(Hook::Breakaway) {
-            let rise = (law.at(Hook::Breakaway), law.at(Hook::BreakawayShape));
-            elasto_plastic(b * sign / mean, rise, xi) * mean * sign
+            elasto_plastic(b * sign / mean, (law.at(Hook::Breakaway), flow), xi) * mean * sign
         } else if law.on(Hook::FlowPower) {
-            powered(b * sign / mean, law.at(Hook::FlowPower), xi) * mean * sign
+            bent(b * sign / mean, (flow, 0.25), xi) * mean * sign
         } else if law.on(Hook::Exponent) {
             power(b * sign / mean, law.at(Hook::Exponent), xi) * mean * sign
         } else {
@@ -189,18 +190,19 @@ impl<T: Scalar> ModifiedLaw<T> {
 
     /// Rate `φ(r)` of the deflection over that of the bristle's stuck root: `ż = v·φ(r)`, below nothing where it returns from `r > 1`.
     pub(super) fn yielding(&self, ratio: T) -> T {
-        let full = T::from(1.0);
-        if self.on(Hook::Breakaway) {
-            -(rise(ratio, self.at(Hook::Breakaway), self.at(Hook::BreakawayShape)) * ratio) + full
-        } else if self.on(Hook::FlowPower) {
-            -(ratio * ((ratio.abs() + 1e-12).ln() * (self.at(Hook::FlowPower) - 1.0)).exp()) + full
-        } else if self.on(Hook::Exponent) {
-            let left = -ratio + full;
-            let rate = ((left.abs() + 1e-12).ln() * self.at(Hook::Exponent)).exp();
-            if left.re() < 0.0 { -rate } else { rate }
-        } else {
-            -ratio + full
+        let mut held = ratio;
+        if self.on(Hook::FlowPower) {
+            held = ratio * ((ratio.abs() + 1e-12).ln() * (self.at(Hook::FlowPower) - 1.0)).exp();
         }
+        if self.on(Hook::Breakaway) {
+            held = rise(ratio, self.at(Hook::Breakaway), self.at(Hook::BreakawayShape)) * held;
+        }
+        let left = -held + 1.0;
+        if !self.on(Hook::Exponent) {
+            return left;
+        }
+        let rate = ((left.abs() + 1e-12).ln() * self.at(Hook::Exponent)).exp();
+        if left.re() < 0.0 { -rate } else { rate }
     }
 
     /// Whether the deflection after a stretch is a linear function of that before it.

@@ -18,15 +18,15 @@ pub struct Circumstance {
     pub preload: f64,
     /// Place of the run between the first (0) and the last (1).
     pub progress: f64,
-    /// The same in the work that friction had done by the middle of it.
-    pub worked: f64,
+    /// The same in the work that friction had done when it began and when it ended.
+    pub worked: [f64; 2],
     /// Cosine and sine of the modulation's phase at the old and the new sample.
     pub phase: [[f64; 2]; 2],
 }
 
 impl Default for Circumstance {
     fn default() -> Self {
-        Self { preload: 0.0, progress: 0.0, worked: 0.0, phase: [[1.0, 0.0]; 2] }
+        Self { preload: 0.0, progress: 0.0, worked: [0.0; 2], phase: [[1.0, 0.0]; 2] }
     }
 }
 

@@ -35,8 +35,8 @@ pub struct Periodic<'a> {
     pub preload: f64,
     /// Place of the run between the first (0) and the last (1).
     pub progress: f64,
-    /// The same in the work that friction had done by the middle of it.
-    pub worked: f64,
+    /// The same in the work that friction had done when it began and when it ended.
+    pub worked: [f64; 2],
     /// Line of the base frequency with which the preload is modulated, where the law has that; 0 where this run has no such line.
     pub modulation: usize,
     /// Phase of that line at the first sample (rad).

@@ -90,6 +90,8 @@ fn flow_power_one_is_the_plain_law() {
 fn neutral_shapes_change_nothing() {
     let neutral = [
         (vec![(Hook::Breakaway, 0.3)], Hook::BreakawayShape, 0.0, 2e-3),
+        (vec![(Hook::Breakaway, 0.3)], Hook::FlowPower, 1.0, 2e-3),
+        (vec![(Hook::Breakaway, 0.3)], Hook::Exponent, 1.0, 2e-3),
         (vec![(Hook::Asymmetry, 0.2)], Hook::AsymmetryVelocity, 1e-9, 1e-5),
         (vec![(Hook::NormalExponent, 0.3)], Hook::NormalPower, 0.0, 1e-12),
         (vec![(Hook::Position, 0.4)], Hook::PositionScale, 1e6, 1e-9),
@@ -314,6 +316,8 @@ fn zoo() -> Vec<ModifiedLaw<f64>> {
         (stribeck, vec![(Hook::Exponent, 1.4)]),
         (dahl, vec![(Hook::SeriesCompliance, 3e-8)]),
         (stribeck, vec![(Hook::FlowPower, 1.5)]),
+        (hybrid, vec![(Hook::FlowPower, 1.5)]),
+        (hybrid, vec![(Hook::Exponent, 1.4)]),
         (lugre, vec![(Hook::LagTime, 4e-3)]),
         (lugre, vec![(Hook::VelocityLag, 2e-3), (Hook::LagSaturation, 2.0)]),
         (hybrid, vec![(Hook::SpeedLag, 2e-3)]),
@@ -377,7 +381,7 @@ impl Course {
             dt: 0.05 / SAMPLES as f64,
             preload: 50.0,
             progress: 0.4,
-            worked: 0.7,
+            worked: [0.7; 2],
             modulation: 3,
             modulation_phase: 0.7,
         }

@@ -81,7 +81,8 @@ fn wear_goes_with_the_run_or_with_the_work() {
         let step = Step { slip: [0.0, 1.0], velocity: [1.0; 2], normal: [1.0; 2], dt: 1.0 };
         law.advance(law.rest_at(0.0), &step, circumstance).1
     };
-    let at = |progress, worked| Circumstance { preload: 1.0, progress, worked, ..Circumstance::default() };
+    let over = |progress, worked| Circumstance { preload: 1.0, progress, worked, ..Circumstance::default() };
+    let at = |progress, worked: f64| over(progress, [worked; 2]);
     let settling = (Hook::WearSettling, 3.0);
     for shape in [vec![], vec![settling]] {
         let by_work = [&shape[..], &[(Hook::WearWork, 1.0)]].concat();
@@ -89,4 +90,9 @@ fn wear_goes_with_the_run_or_with_the_work() {
         assert!((run - work).abs() < 1e-12, "{run} {work}");
     }
     assert!((coefficient(&[(Hook::WearWork, 1.0)], &at(0.2, 0.7)) - 0.3 * 1.28).abs() < 1e-9);
+    // Half of a run's own work counts, or the share that is told: 0.3 (1 + 0.4 · 0.7), 0.3 (1 + 0.4 · 0.9).
+    let own = over(0.2, [0.5, 0.9]);
+    assert!((coefficient(&[(Hook::WearWork, 1.0)], &own) - 0.3 * 1.28).abs() < 1e-9);
+    let whole = [(Hook::WearWork, 1.0), (Hook::WearOwn, 1.0)];
+    assert!((coefficient(&whole, &own) - 0.3 * 1.36).abs() < 1e-9);
 }

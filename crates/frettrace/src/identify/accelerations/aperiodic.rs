@@ -187,7 +187,7 @@ fn receptance(
         omega: spacing(series),
         preload: 1.0,
         progress: 0.5,
-        worked: 0.5,
+        worked: [0.5; 2],
         force: vec![Complex64::ZERO; bins],
         acceleration: vec![vec![Complex64::ZERO; bins]; sensors],
         deviation: vec![vec![1.0; bins]; sensors],
