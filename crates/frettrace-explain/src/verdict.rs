@@ -2,6 +2,7 @@
 
 use crate::effects::ALL;
 use crate::search::{Explained, excess};
+use crate::series_fit::SeriesContact;
 use crate::study::as_declared;
 use crate::{ExplainError, RunError, Study, Unknown};
 use frettrace_forward::accelerations::{Quantity, Setting};
@@ -42,6 +43,8 @@ const RIGID_ACCURACY: f64 = 2e-4;
 /// Relative error of the recovered force of a run without a period from which the law is in doubt: five times the accuracy
 /// with which such a force is recovered.
 const SERIES_OPEN: f64 = 0.05;
+/// … and χ² per residual above which, with that, it contradicts the law: what five times the accuracy makes.
+const SERIES_BEYOND: f64 = 25.0;
 /// Error over noise up to which runs that nothing was fitted to bear out that nothing is missing.
 const BORNE_OUT: f64 = 1.2;
 /// Error over noise of runs held out from which they contradict a model that follows those it was fitted to: what its values are
@@ -411,6 +414,17 @@ impl Search<'_> {
     fn series_error(&self, model: &Explained) -> f64 {
         let law = &model.fitted.setting.law;
         self.study.series.iter().map(|(_, contact)| contact.error(law)).fold(0.0, f64::max)
+    }
+
+    /// Whether the force recovered of a run without a period contradicts the law: it misses it by more than five times the accuracy with
+    /// which such a force is recovered, and by more than five standard deviations in the mean over the bins.
+    fn series_contradicts(&self, model: &Explained) -> bool {
+        let setting = &model.fitted.setting;
+        let beyond = |contact: &SeriesContact| {
+            contact.error(&setting.law) > SERIES_OPEN
+                && contact.cost(&setting.law) > SERIES_BEYOND * contact.count() as f64
+        };
+        as_declared(setting) && self.study.series.iter().any(|(_, contact)| beyond(contact))
     }
 
     fn series_open(&self, model: &Explained) -> bool {

@@ -4,10 +4,14 @@ use super::{ChannelFault, Channels, period};
 use crate::RunSamples;
 use frettrace_fourier::{Lines, Projector};
 
-/// Fewest equal samples in a row that are a dropout.
+/// Fewest equal samples in a row that are a dropout in a channel whose neighbours are often equal, …
 const FEWEST: usize = 8;
 /// … and share of a period of the excitation that they must last.
 const SHARE: f64 = 0.1;
+/// Share of neighbours that are equal by chance below which a channel is read finely: then a few in a row are a dropout, …
+const RARE: f64 = 1e-3;
+/// … so many that chance brings them to the whole of its samples once in a thousand times.
+const BY_CHANCE: f64 = 1e-3;
 /// Deviation within a period, over the usual one, below which the signal is gone.
 const GONE: f64 = 0.1;
 /// … and that of another channel above which the rig moves as it does elsewhere.
@@ -25,6 +29,7 @@ pub(super) fn find(runs: &[RunSamples<'_>], channels: &mut Channels) -> Vec<Chan
     let mut faults = Vec::new();
     for sensor in 0..sensors {
         let (mut lost, mut total, mut first) = (0, 0, None);
+        let held = held(runs.iter().map(|run| run.acceleration[sensor].as_slice()));
         for (run, samples) in runs.iter().enumerate() {
             let signal = &samples.acceleration[sensor];
             total += signal.len();
@@ -35,7 +40,7 @@ pub(super) fn find(runs: &[RunSamples<'_>], channels: &mut Channels) -> Vec<Chan
                 .filter(|other| *other != sensor)
                 .map(|other| samples.acceleration[other].as_slice())
                 .collect();
-            let mask = gaps(signal, &others, period(samples));
+            let mask = gaps(signal, &others, (period(samples), held));
             let missing = mask.iter().filter(|m| **m).count();
             if missing == 0 || 2 * missing > signal.len() {
                 continue;
@@ -59,20 +64,51 @@ pub(super) fn find(runs: &[RunSamples<'_>], channels: &mut Channels) -> Vec<Chan
     faults
 }
 
-/// Samples that are lost.
-fn gaps(signal: &[f64], others: &[&[f64]], period: usize) -> Vec<bool> {
+/// Stretches of equal samples, first and one beyond the last.
+fn stretches(signal: &[f64]) -> impl Iterator<Item = std::ops::Range<usize>> {
+    let mut from = 0;
+    signal.chunk_by(|a, b| a == b).map(move |equal| {
+        let stretch = from..from + equal.len();
+        from = stretch.end;
+        stretch
+    })
+}
+
+/// Fewest equal samples in a row that are a dropout in a channel that is read finely; `None` where neighbours are often equal. By chance
+/// `n p^(m−1)` of `n` samples begin `m` equal ones, and the pairs that stand alone tell `p`. Where there are more than those, a pair is
+/// one too.
+fn held<'a>(signals: impl Iterator<Item = &'a [f64]>) -> Option<usize> {
+    let (mut samples, mut pairs, mut longest) = (0, 0, 0);
+    for signal in signals {
+        samples += signal.len();
+        for stretch in stretches(signal) {
+            pairs += usize::from(stretch.len() == 2);
+            if !is_extreme(signal, signal[stretch.start]) {
+                longest = longest.max(stretch.len());
+            }
+        }
+    }
+    let chance = (pairs + 1) as f64 / samples.max(1) as f64;
+    let fewest = 1.0 + ((BY_CHANCE / samples.max(1) as f64).ln() / chance.ln()).ceil();
+    (chance < RARE).then(|| if longest as f64 >= fewest { 2 } else { usize::MAX })
+}
+
+/// Whether a value is the largest or the smallest of a signal: what stays there is clipped.
+fn is_extreme(signal: &[f64], value: f64) -> bool {
+    signal.iter().all(|x| *x <= value) || signal.iter().all(|x| *x >= value)
+}
+
+/// Samples that are lost, where so many equal ones are a dropout.
+fn gaps(signal: &[f64], others: &[&[f64]], (period, held): (usize, Option<usize>)) -> Vec<bool> {
     let n = signal.len();
     let mut lost = vec![false; n];
     let fewest = FEWEST.max((SHARE * period as f64) as usize);
-    let mut from = 0;
-    for k in 1..=n {
-        if k < n && signal[k] == signal[from] {
-            continue;
+    for stretch in stretches(signal) {
+        let few =
+            held.is_some_and(|held| stretch.len() >= held && !is_extreme(signal, signal[stretch.start]));
+        if few || stretch.len() >= fewest {
+            lost[stretch].fill(true);
         }
-        if k - from >= fewest {
-            lost[from..k].fill(true);
-        }
-        from = k;
     }
     quiet_periods(signal, others, period, &mut lost);
     let core = lost.clone();
@@ -157,7 +193,30 @@ fn fill(run: &RunSamples<'_>, mask: &[bool], signal: &mut [f64]) {
 
 #[cfg(test)]
 mod tests {
-    use super::gaps;
+    use super::{gaps, held};
+
+    /// Four thousand samples of a sine, no two neighbours of which are equal: of chance `2.5·10⁻⁴` three in a row are a dropout, since
+    /// `4000 · (2.5·10⁻⁴)² < 10⁻³`, and with them a pair is one. Read in steps of a hundredth, its turns hold a value for many samples and
+    /// are none; nor is what stays at its largest value.
+    #[test]
+    fn a_few_held_samples_are_a_dropout_of_a_finely_read_channel() {
+        let sine: Vec<f64> = (0..4000).map(|k| (0.0371 * k as f64 + 0.2).sin()).collect();
+        assert_eq!(held([sine.as_slice()].into_iter()), Some(usize::MAX));
+        let mut dropping = sine.clone();
+        dropping[701] = dropping[700];
+        assert_eq!(held([dropping.as_slice()].into_iter()), Some(usize::MAX));
+        dropping.copy_within(1200..1201, 1201);
+        dropping.copy_within(1200..1202, 1202);
+        let limit = held([dropping.as_slice()].into_iter());
+        assert_eq!(limit, Some(2));
+        let lost = gaps(&dropping, &[], (169, limit));
+        let expected: Vec<usize> = (698..=703).chain(1198..=1205).collect();
+        assert_eq!((0..4000).filter(|&k| lost[k]).collect::<Vec<_>>(), expected);
+        let coarse: Vec<f64> = sine.iter().map(|x| (100.0 * x).round() / 100.0).collect();
+        assert_eq!(held([coarse.as_slice()].into_iter()), None);
+        let clipped: Vec<f64> = sine.iter().map(|x| x.min(0.9)).collect();
+        assert_eq!(held([clipped.as_slice()].into_iter()), Some(usize::MAX));
+    }
 
     /// Forty periods of fifty samples; a channel that reads noise of a hundredth in two of them has lost them, unless all others
     /// are as quiet then: a rig that beats.
@@ -172,9 +231,9 @@ mod tests {
                 .collect()
         };
         let [fallen, going, other] = [tone(0.01, 0.0), tone(1.0, 0.3), tone(0.02, 0.6)];
-        let alone = gaps(&fallen, &[&going, &going, &other], 50);
+        let alone = gaps(&fallen, &[&going, &going, &other], (50, None));
         assert!(alone[1000..1100].iter().all(|lost| *lost));
         assert!(alone.iter().filter(|lost| **lost).count() <= 100 + 2 * super::MARGIN);
-        assert!(gaps(&fallen, &[&other, &other, &going], 50).iter().all(|lost| !lost));
+        assert!(gaps(&fallen, &[&other, &other, &going], (50, None)).iter().all(|lost| !lost));
     }
 }

@@ -101,7 +101,8 @@ impl Search<'_> {
         let near = within || model.sufficient(&baseline) || self.other_formula || by_method;
         let filled = near && borne_out;
         let misread = filled && self.misread(&model);
-        let complete = filled && !nameless && shaken.is_none() && !self.strained && !misread;
+        let contradicted = self.series_contradicts(&model);
+        let complete = filled && !nameless && shaken.is_none() && !self.strained && !misread && !contradicted;
         let verdict = match (model.effects.is_empty() && named.is_empty(), complete) {
             (true, true) => Verdict::NothingMissing,
             (false, true) => Verdict::Explained,
