@@ -186,7 +186,8 @@ impl ModalModel {
     #[must_use]
     pub fn modal_receptance_gradient(&self, mode: usize, omega: f64) -> [Complex64; 2] {
         let (frequency, ratio) = (self.natural_frequency[mode], self.damping_ratio[mode]);
-        let squared = self.modal_receptance(mode, omega).powi(2);
+        let receptance = self.modal_receptance(mode, omega);
+        let squared = receptance * receptance;
         [
             -squared * Complex64::new(2.0 * frequency, 2.0 * ratio * omega),
             -squared * Complex64::new(0.0, 2.0 * frequency * omega),
