@@ -178,6 +178,7 @@ impl ModalModel {
 
     /// Receptance of one modal coordinate, `1/(ω_n² − ω² + 2iζ_nω_nω)`.
     #[must_use]
+    #[inline]
     pub fn modal_receptance(&self, mode: usize, omega: f64) -> Complex64 {
         self.dynamic_stiffness(mode, omega).inv()
     }
@@ -194,6 +195,7 @@ impl ModalModel {
         ]
     }
 
+    #[inline]
     fn dynamic_stiffness(&self, mode: usize, omega: f64) -> Complex64 {
         let (frequency, ratio) = (self.natural_frequency[mode], self.damping_ratio[mode]);
         Complex64::new(frequency * frequency - omega * omega, 2.0 * ratio * frequency * omega)

@@ -1,6 +1,6 @@
 //! The base frequency, from the record itself.
 
-use crate::sums::about_middle;
+use crate::sums::{dot, times_distance};
 use crate::{Lines, ProjectionError, Projector};
 use num_complex::Complex64;
 
@@ -55,9 +55,10 @@ fn step(lines: Lines, channels: &[&[f64]]) -> Result<(f64, f64), ProjectionError
         }
         let coefficients = fit.coefficients.iter().enumerate();
         let turned: Vec<Complex64> = coefficients.map(|(h, x)| x * Complex64::new(0.0, h as f64)).collect();
-        let [along, square] = about_middle(&projector.synthesise(&turned), &fit.residual);
-        slope += along / (lines.sampling_rate * variance);
-        curvature += square / (lines.sampling_rate.powi(2) * variance);
+        let mut moved = projector.synthesise(&turned);
+        times_distance(&mut moved);
+        slope += dot(&moved, &fit.residual) / (lines.sampling_rate * variance);
+        curvature += dot(&moved, &moved) / (lines.sampling_rate.powi(2) * variance);
     }
     Ok((slope, curvature))
 }

@@ -357,13 +357,12 @@ impl Tangents {
             balance.taken_up(shape, &mut self.taken[n * loads..(n + 1) * loads]);
             self.along[n] = shape.iter().zip(&balance.residual).map(|(x, r)| r * x).sum();
         }
-        let shape = |n: usize| &self.shapes[n * sensors..(n + 1) * sensors];
-        for n in 0..self.modes {
-            for m in n..self.modes {
-                let whole: f64 = shape(n).iter().zip(shape(m)).map(|(x, y)| x * y).sum();
-                let rows = self.taken[n * loads..][..loads].iter().zip(&self.taken[m * loads..][..loads]);
-                let taken: Complex64 = rows.map(|(a, b)| a.conj() * b).sum();
-                self.products[n * self.modes + m] = whole - taken;
+        let parts = || self.shapes.chunks_exact(sensors).zip(self.taken.chunks_exact(loads));
+        let rows = self.products.chunks_exact_mut(self.modes.max(1));
+        for (n, (row, (shape, taken))) in rows.zip(parts()).enumerate() {
+            for (entry, (other, along)) in row.iter_mut().zip(parts()).skip(n) {
+                let along: Complex64 = taken.iter().zip(along).map(|(a, b)| a.conj() * b).sum();
+                *entry = inner(shape, other) - along;
             }
         }
     }
@@ -389,6 +388,14 @@ impl Tangents {
             }
         }
     }
+}
+
+/// `Σ x_s y_s` of a few sensors, two at a time.
+fn inner(x: &[f64], y: &[f64]) -> f64 {
+    let ((pairs, x), (others, y)) = (x.as_chunks::<2>(), y.as_chunks::<2>());
+    let [first, second] =
+        pairs.iter().zip(others).fold([0.0; 2], |sum, (x, y)| [sum[0] + x[0] * y[0], sum[1] + x[1] * y[1]]);
+    first + second + x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>()
 }
 
 /// Generalised force `φ_e F_e + Σ_u φ_u f_u` of a mode.

@@ -94,7 +94,7 @@ pub fn reconstruct(
         .map(|run| dynamics.fixed(&rig.structure, declared.modes, (run.force.base, run.force.order())))
         .collect();
     let mut equations: Vec<Equations<'_>> =
-        lines.iter().zip(&fixed).map(|run| Equations::new(run, wanted(rig))).collect();
+        lines.par_iter().zip(&fixed).map(|run| Equations::new(run, wanted(rig))).collect();
     let calibrated = |from: &CalibratedStructure, equations: &[Equations<'_>]| {
         fitted((&declared, from), &dynamics, equations, options)
     };
