@@ -178,6 +178,7 @@ impl ModalModel {
 
     /// Receptance of one modal coordinate, `1/(ω_n² − ω² + 2iζ_nω_nω)`.
     #[must_use]
+    #[inline]
     pub fn modal_receptance(&self, mode: usize, omega: f64) -> Complex64 {
         self.dynamic_stiffness(mode, omega).inv()
     }
@@ -186,13 +187,15 @@ impl ModalModel {
     #[must_use]
     pub fn modal_receptance_gradient(&self, mode: usize, omega: f64) -> [Complex64; 2] {
         let (frequency, ratio) = (self.natural_frequency[mode], self.damping_ratio[mode]);
-        let squared = self.modal_receptance(mode, omega).powi(2);
+        let receptance = self.modal_receptance(mode, omega);
+        let squared = receptance * receptance;
         [
             -squared * Complex64::new(2.0 * frequency, 2.0 * ratio * omega),
             -squared * Complex64::new(0.0, 2.0 * frequency * omega),
         ]
     }
 
+    #[inline]
     fn dynamic_stiffness(&self, mode: usize, omega: f64) -> Complex64 {
         let (frequency, ratio) = (self.natural_frequency[mode], self.damping_ratio[mode]);
         Complex64::new(frequency * frequency - omega * omega, 2.0 * ratio * frequency * omega)

@@ -1,6 +1,6 @@
 //! The base frequency, from the record itself.
 
-use crate::sums::dot;
+use crate::sums::{dot, times_distance};
 use crate::{Lines, ProjectionError, Projector};
 use num_complex::Complex64;
 
@@ -47,21 +47,18 @@ pub fn refine(lines: Lines, channels: &[&[f64]]) -> Result<Frequency, Projection
 
 fn step(lines: Lines, channels: &[&[f64]]) -> Result<(f64, f64), ProjectionError> {
     let projector = Projector::new(lines)?;
-    let middle = 0.5 * (lines.samples - 1) as f64;
-    let times: Vec<f64> = (0..lines.samples).map(|j| (j as f64 - middle) / lines.sampling_rate).collect();
     let (mut slope, mut curvature) = (0.0, 0.0);
-    for channel in channels {
-        let fit = projector.fit(channel)?;
+    for fit in projector.fits(channels)? {
         let variance = fit.variance();
         if variance <= f64::MIN_POSITIVE {
             continue;
         }
-        let lines = fit.coefficients.iter().enumerate();
-        let turned: Vec<Complex64> = lines.map(|(h, x)| x * Complex64::new(0.0, h as f64)).collect();
+        let coefficients = fit.coefficients.iter().enumerate();
+        let turned: Vec<Complex64> = coefficients.map(|(h, x)| x * Complex64::new(0.0, h as f64)).collect();
         let mut moved = projector.synthesise(&turned);
-        moved.iter_mut().zip(&times).for_each(|(v, t)| *v *= t);
-        slope += dot(&moved, &fit.residual) / variance;
-        curvature += dot(&moved, &moved) / variance;
+        times_distance(&mut moved);
+        slope += dot(&moved, &fit.residual) / (lines.sampling_rate * variance);
+        curvature += dot(&moved, &moved) / (lines.sampling_rate.powi(2) * variance);
     }
     Ok((slope, curvature))
 }

@@ -1,7 +1,8 @@
 //! Phase grid: `N` samples of one period and the transforms between samples and harmonics.
 
+use crate::plans;
 use num_complex::Complex64;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use realfft::{ComplexToReal, RealToComplex};
 use std::sync::Arc;
 
 /// Why a grid cannot be made.
@@ -43,13 +44,7 @@ impl Grid {
         if samples <= 2 * order {
             return Err(GridError::Aliased { order, samples });
         }
-        let mut planner = RealFftPlanner::new();
-        Ok(Self {
-            order,
-            samples,
-            forward: planner.plan_fft_forward(samples),
-            inverse: planner.plan_fft_inverse(samples),
-        })
+        Ok(Self { order, samples, forward: plans::forward(samples), inverse: plans::inverse(samples) })
     }
 
     /// Highest harmonic `H`.

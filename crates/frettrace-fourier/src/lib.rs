@@ -18,12 +18,14 @@
 //! | [`refine`] | the base frequency from the record itself |
 //! | [`Sampler`] | samples of many harmonics of one base frequency |
 //! | [`Grid`] | samples of one period to harmonics and back |
+//! | [`sum`], [`dot`], [`variance`] | sums over long records |
 
 mod frequency;
 mod grid;
 mod harmonics;
 mod noise;
 mod phasors;
+mod plans;
 mod projection;
 mod sampler;
 mod sums;
@@ -34,3 +36,4 @@ pub use harmonics::Harmonics;
 pub use noise::{spectrum, tapered_spectrum};
 pub use projection::{Lines, Projected, ProjectionError, Projector};
 pub use sampler::Sampler;
+pub use sums::{dot, sum, variance};

@@ -1,9 +1,7 @@
 //! Noise around each line, from what a projection leaves.
 
-use crate::Lines;
+use crate::{Lines, plans};
 use num_complex::Complex64;
-use realfft::RealFftPlanner;
-use std::sync::{Arc, Mutex, OnceLock};
 
 /// Fewest frequency bins a local noise level is averaged over: its standard deviation is then below 10 %.
 const FEWEST_BINS: usize = 128;
@@ -62,12 +60,7 @@ pub fn tapered_spectrum(x: &[f64]) -> Vec<Complex64> {
 /// Unscaled discrete Fourier transform `Σ_j x_j e^{−2πijk/n}` of the bins `0..=n/2` of a real record.
 #[must_use]
 pub fn spectrum(x: &[f64]) -> Vec<Complex64> {
-    static PLANNER: OnceLock<Mutex<RealFftPlanner<f64>>> = OnceLock::new();
-    let planner = PLANNER.get_or_init(|| Mutex::new(RealFftPlanner::new()));
-    let plan: Arc<_> = match planner.lock() {
-        Ok(mut planner) => planner.plan_fft_forward(x.len()),
-        Err(poisoned) => poisoned.into_inner().plan_fft_forward(x.len()),
-    };
+    let plan = plans::forward(x.len());
     let mut signal = x.to_vec();
     let mut bins = plan.make_output_vec();
     let done = plan.process(&mut signal, &mut bins);

@@ -1,13 +1,15 @@
 //! Sums over `e^{ihθj}` for many lines `h` and samples `j`, in blocks.
 //!
-//! With `j = 64a + b`, `Σ_j x_j e^{−ihθj} = Σ_a e^{−ih64θa} Σ_b e^{−ihθb} x_{64a+b}`: only two small tables of phasors
+//! With `j = 96a + b`, `Σ_j x_j e^{−ihθj} = Σ_a e^{−ih96θa} Σ_b e^{−ihθb} x_{96a+b}`: only two small tables of phasors
 //! are needed, and the inner sums are one product of matrices. Base frequencies need not fit the record.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 use num_complex::Complex64;
 
-const BLOCK: usize = 64;
+/// Samples of a block: a multiple of the rows that products of matrices take at once, and about the root of a usual record times 1.5,
+/// so that both tables are small.
+const BLOCK: usize = 96;
 
 /// Tables of phasors for `lines + 1` lines over a record.
 #[derive(Clone, Debug)]
@@ -15,7 +17,7 @@ pub(crate) struct Phasors {
     lines: usize,
     /// `cos hθb` and `sin hθb`, one row of `2(H + 1)` a sample `b` of the block.
     inner: Vec<f64>,
-    /// `e^{ih64θa}`, one row of `H + 1` a block `a`.
+    /// `e^{ih96θa}`, one row of `H + 1` a block `a`.
     outer: Vec<Complex64>,
 }
 
@@ -96,7 +98,11 @@ fn powers(phi: f64, lines: usize) -> impl Iterator<Item = Complex64> {
     let turn = Complex64::cis(phi);
     let mut now = Complex64::ONE;
     (0..lines).map(move |h| {
-        now = if h % ANEW == 0 { Complex64::cis(phi * h as f64) } else { now * turn };
+        now = match h {
+            0 => Complex64::ONE,
+            h if h % ANEW == 0 => Complex64::cis(phi * h as f64),
+            _ => now * turn,
+        };
         now
     })
 }

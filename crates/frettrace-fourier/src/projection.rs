@@ -2,11 +2,12 @@
 
 use crate::phasors::Phasors;
 use crate::sums::dot;
-use crate::{Harmonics, noise};
+use crate::{Harmonics, Sampler, noise};
 use faer::linalg::triangular_inverse::invert_lower_triangular;
 use faer::prelude::Solve;
-use faer::{Mat, Par, Side};
+use faer::{ColRef, Mat, Par, Side};
 use num_complex::Complex64;
+use std::sync::Arc;
 
 /// Why a record cannot be projected.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -72,7 +73,7 @@ pub struct Projected {
 /// is built in closed form and factored once for all channels.
 pub struct Projector {
     lines: Lines,
-    phasors: Phasors,
+    phasors: Arc<Phasors>,
     polynomials: Vec<Vec<f64>>,
     factor: faer::linalg::solvers::Llt<f64>,
     inverse_diagonal: Vec<f64>,
@@ -90,7 +91,7 @@ impl Projector {
             return Err(ProjectionError::TooShort { samples: lines.samples, unknowns });
         }
         let theta = lines.base / lines.sampling_rate;
-        let phasors = Phasors::new(theta, lines.order, lines.samples);
+        let phasors = Arc::new(Phasors::new(theta, lines.order, lines.samples));
         let polynomials = legendre(lines.samples, lines.drift);
         let normal = normal_matrix(&lines, theta, &phasors, &polynomials);
         let unresolved =
@@ -110,13 +111,32 @@ impl Projector {
         &self.lines
     }
 
+    /// Samples harmonics of its lines at the times of its record, with the tables that it has.
+    #[must_use]
+    pub fn sampler(&self) -> Sampler {
+        Sampler::with_phasors(Arc::clone(&self.phasors), self.lines.samples)
+    }
+
     /// Projects one channel of `n` samples.
     ///
     /// # Errors
     /// [`ProjectionError::Length`] when the channel has another number of samples than the record.
     pub fn project(&self, x: &[f64]) -> Result<Projected, ProjectionError> {
+        let solution = self.solve(&[x])?;
+        Ok(self.projected(self.fitted(solution.col(0), x)))
+    }
+
+    /// Projects channels of `n` samples each: their equations are solved together, which costs less than one after the other.
+    ///
+    /// # Errors
+    /// [`ProjectionError::Length`] when a channel has another number of samples than the record.
+    pub fn project_all(&self, channels: &[&[f64]]) -> Result<Vec<Projected>, ProjectionError> {
+        Ok(self.fits(channels)?.map(|fit| self.projected(fit)).collect())
+    }
+
+    /// A fit with what its residual says of the noise.
+    fn projected(&self, fit: Fit) -> Projected {
         let Lines { order, base, .. } = self.lines;
-        let fit = self.fit(x)?;
         let residual_std = fit.variance().sqrt();
         let periodogram = noise::periodogram(&fit.residual);
         let floor = noise::line_noise(&periodogram, &self.lines);
@@ -128,16 +148,32 @@ impl Projector {
             .collect();
         let Fit { coefficients, drift, residual, .. } = fit;
         let harmonics = Harmonics { base, coefficients, variance };
-        Ok(Projected { harmonics, drift, residual, residual_std, periodogram })
+        Projected { harmonics, drift, residual, residual_std, periodogram }
     }
 
-    /// The fit alone: no word of the noise.
-    pub(crate) fn fit(&self, x: &[f64]) -> Result<Fit, ProjectionError> {
-        let Lines { order, samples, .. } = self.lines;
-        if x.len() != samples {
-            return Err(ProjectionError::Length { given: x.len(), samples });
+    /// The fits of channels alone: no word of the noise. Each is made when it is asked for, so that it is used while it is near.
+    pub(crate) fn fits(&self, channels: &[&[f64]]) -> Result<impl Iterator<Item = Fit>, ProjectionError> {
+        let solution = self.solve(channels)?;
+        Ok(channels.iter().enumerate().map(move |(c, x)| self.fitted(solution.col(c), x)))
+    }
+
+    /// Solutions of the normal equations, a column each channel.
+    fn solve(&self, channels: &[&[f64]]) -> Result<Mat<f64>, ProjectionError> {
+        let samples = self.lines.samples;
+        if let Some(given) = channels.iter().map(|x| x.len()).find(|given| *given != samples) {
+            return Err(ProjectionError::Length { given, samples });
         }
-        let solution = self.factor.solve(self.right_side(x));
+        let mut solution = Mat::zeros(self.inverse_diagonal.len(), channels.len());
+        for (column, x) in solution.col_iter_mut().zip(channels) {
+            column.iter_mut().zip(self.right_side(x)).for_each(|(to, from)| *to = from);
+        }
+        self.factor.solve_in_place(&mut solution);
+        Ok(solution)
+    }
+
+    /// The fit of a channel with its solution.
+    fn fitted(&self, solution: ColRef<'_, f64>, x: &[f64]) -> Fit {
+        let Lines { order, samples, .. } = self.lines;
         let coefficients: Vec<Complex64> = (0..=order)
             .map(|h| Complex64::new(solution[h], if h == 0 { 0.0 } else { -solution[order + h] }))
             .collect();
@@ -147,7 +183,7 @@ impl Projector {
         for (polynomial, c) in self.polynomials.iter().zip(&drift) {
             residual.iter_mut().zip(polynomial).for_each(|(r, p)| *r -= c * p);
         }
-        Ok(Fit { coefficients, drift, residual, left: samples - solution.nrows() })
+        Fit { coefficients, drift, residual, left: samples - solution.nrows() }
     }
 
     /// Samples of coefficients on the lines (`n`).
@@ -165,14 +201,11 @@ impl Projector {
         out
     }
 
-    fn right_side(&self, x: &[f64]) -> faer::Col<f64> {
-        let order = self.lines.order;
+    /// Products of `1, cos hθj, sin hθj, P_1 … P_d` with a channel.
+    fn right_side(&self, x: &[f64]) -> Vec<f64> {
         let sums = self.phasors.transform(x);
-        faer::Col::from_fn(2 * order + 1 + self.polynomials.len(), |i| match i {
-            i if i <= order => sums[i].re,
-            i if i <= 2 * order => -sums[i - order].im,
-            i => self.polynomials[i - 2 * order - 1].iter().zip(x).map(|(p, v)| p * v).sum(),
-        })
+        let (cosines, sines) = (sums.iter().map(|s| s.re), sums.iter().skip(1).map(|s| -s.im));
+        cosines.chain(sines).chain(self.polynomials.iter().map(|p| dot(p, x))).collect()
     }
 }
 
@@ -203,6 +236,9 @@ fn inverse_diagonal(factor: &faer::linalg::solvers::Llt<f64>) -> Vec<f64> {
 
 /// Legendre polynomials `P_1 … P_degree` on the samples, by Bonnet's recursion.
 fn legendre(samples: usize, degree: usize) -> Vec<Vec<f64>> {
+    if degree == 0 {
+        return Vec::new();
+    }
     let at: Vec<f64> = (0..samples).map(|j| 2.0 * j as f64 / (samples.max(2) - 1) as f64 - 1.0).collect();
     let mut all = vec![vec![1.0; samples], at.clone()];
     for k in 1..degree {
@@ -218,7 +254,7 @@ fn legendre(samples: usize, degree: usize) -> Vec<Vec<f64>> {
     all.drain(1..).take(degree).collect()
 }
 
-/// Normal matrix of `1, cos hθj (h = 1..H), sin hθj (h = 1..H), P_1 … P_d`.
+/// Normal matrix of `1, cos hθj (h = 1..H), sin hθj (h = 1..H), P_1 … P_d`; the triangle above the diagonal stays empty.
 fn normal_matrix(lines: &Lines, theta: f64, phasors: &Phasors, polynomials: &[Vec<f64>]) -> Mat<f64> {
     let order = lines.order;
     let sums: Vec<Complex64> = (0..=2 * order).map(|m| dirichlet(m as f64 * theta, lines.samples)).collect();
@@ -239,14 +275,18 @@ fn normal_matrix(lines: &Lines, theta: f64, phasors: &Phasors, polynomials: &[Ve
         if i <= order { z.re } else { -z.im }
     };
     let first = 2 * order + 1;
-    Mat::from_fn(first + polynomials.len(), first + polynomials.len(), |i, k| match (i < first, k < first) {
-        (true, true) => trigonometric(i, k),
-        (true, false) => mixed(i, k - first),
-        (false, true) => mixed(k, i - first),
-        (false, false) => {
-            polynomials[i - first].iter().zip(&polynomials[k - first]).map(|(a, b)| a * b).sum()
+    let unknowns = first + polynomials.len();
+    let mut normal = Mat::zeros(unknowns, unknowns);
+    for k in 0..unknowns {
+        for i in k..unknowns {
+            normal[(i, k)] = match (i < first, k < first) {
+                (true, _) => trigonometric(i, k),
+                (false, true) => mixed(k, i - first),
+                (false, false) => dot(&polynomials[i - first], &polynomials[k - first]),
+            };
         }
-    })
+    }
+    normal
 }
 
 fn line_of(unknown: usize, order: usize) -> isize {

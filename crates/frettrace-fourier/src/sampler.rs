@@ -3,18 +3,27 @@
 use crate::Grid;
 use crate::phasors::Phasors;
 use num_complex::Complex64;
+use std::sync::Arc;
 
 /// Samples harmonics of one base frequency at equidistant times `j/sampling_rate`: what they need is computed once.
+#[derive(Clone)]
 pub struct Sampler {
     samples: usize,
     way: Way,
 }
 
+#[derive(Clone)]
 enum Way {
     /// The lines are the bins of the record: one Fourier transform.
     Bins(Grid),
     /// They lie anywhere.
-    Phasors(Phasors),
+    Phasors(Arc<Phasors>),
+}
+
+impl std::fmt::Debug for Sampler {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        out.debug_struct("Sampler").field("samples", &self.samples).finish_non_exhaustive()
+    }
 }
 
 impl Sampler {
@@ -23,9 +32,13 @@ impl Sampler {
     pub fn new(base: f64, order: usize, (sampling_rate, samples): (f64, usize)) -> Self {
         let periods = base * samples as f64 / (sampling_rate * std::f64::consts::TAU);
         let bins = if (periods - 1.0).abs() > 1e-12 { None } else { Grid::new(order, samples).ok() };
-        let way =
-            bins.map_or_else(|| Way::Phasors(Phasors::new(base / sampling_rate, order, samples)), Way::Bins);
-        Self { samples, way }
+        let phasors = || Way::Phasors(Arc::new(Phasors::new(base / sampling_rate, order, samples)));
+        Self { samples, way: bins.map_or_else(phasors, Way::Bins) }
+    }
+
+    /// With phasors that are there already.
+    pub(crate) fn with_phasors(phasors: Arc<Phasors>, samples: usize) -> Self {
+        Self { samples, way: Way::Phasors(phasors) }
     }
 
     /// Samples `x_j = Re Σ_h x̂_h e^{ihΩj/f_s}` of coefficients `x̂_0 …`; those beyond the order are left out.

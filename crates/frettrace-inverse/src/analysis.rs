@@ -6,7 +6,9 @@ mod form;
 use crate::aperiodic::Left;
 use crate::{FormChoice, InverseError, RunData, Sensor};
 use form::Subharmonics;
-use frettrace_fourier::{Frequency, Harmonics, Lines, Projected, Projector, refine, spectrum};
+use frettrace_fourier::{
+    Frequency, Harmonics, Lines, Projected, Projector, Sampler, refine, spectrum, variance,
+};
 use std::f64::consts::TAU;
 
 /// Form of a run's answer.
@@ -50,6 +52,8 @@ pub struct RunLines {
     pub aperiodic_share: f64,
     /// What the lines of a periodic run leave, where it is more than noise.
     pub(crate) rest: Option<Left>,
+    /// Samples what lies on the lines, until that is done.
+    pub(crate) sampler: Option<Sampler>,
 }
 
 /// Lines of the first refinement over all channels: enough for the frequency, few enough to be quick.
@@ -120,6 +124,7 @@ struct Found {
 
 /// All channels of a run on the lines of one base frequency.
 struct Projection {
+    sampler: Sampler,
     force: Projected,
     accelerations: Vec<Projected>,
 }
@@ -137,9 +142,11 @@ impl Projection {
         let order = within_band.min(within_record).max(1);
         let lines = Lines { base, order, samples, sampling_rate: run.sampling_rate, drift: 1 };
         let projector = Projector::new(lines)?;
-        let accelerations =
-            run.accelerations.iter().map(|a| projector.project(a)).collect::<Result<_, _>>()?;
-        Ok(Self { force: projector.project(run.force)?, accelerations })
+        let channels: Vec<&[f64]> =
+            std::iter::once(run.force).chain(run.accelerations.iter().copied()).collect();
+        let mut accelerations = projector.project_all(&channels)?;
+        let force = accelerations.remove(0);
+        Ok(Self { sampler: projector.sampler(), force, accelerations })
     }
 
     /// What the lines leave, where it is more than noise.
@@ -179,6 +186,7 @@ impl Projection {
             noise_std: found.noise_std,
             aperiodic_share: found.share,
             rest,
+            sampler: Some(self.sampler),
         }
     }
 }
@@ -240,14 +248,7 @@ fn noise(sensors: &[Sensor], projection: &Projection) -> Vec<f64> {
 
 /// Mean square of the accelerations, means removed, summed over the sensors.
 fn signal_power(run: &RunData<'_>) -> f64 {
-    run.accelerations
-        .iter()
-        .map(|a| {
-            let n = a.len().max(1) as f64;
-            let mean = a.iter().sum::<f64>() / n;
-            a.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n
-        })
-        .sum()
+    run.accelerations.iter().map(|a| variance(a)).sum()
 }
 
 /// Mean square beyond the noise that the lines leave, summed over the sensors.

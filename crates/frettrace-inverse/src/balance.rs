@@ -40,34 +40,33 @@ impl LineBalance {
     /// Solves a line for `loads`, with the prior variances `E|f|²` (N²) of the forces (infinite: none).
     #[must_use]
     pub fn solve(line: &LineReceptances, data: &LineData, loads: &[Load], prior: &[f64]) -> Self {
-        let sensors = data.accelerations.len();
-        let weights: Vec<f64> =
-            data.variances.iter().map(|v| if *v > 0.0 { v.sqrt().recip() } else { 0.0 }).collect();
-        let rows = sensors + loads.len();
-        let mut residual = Vec::with_capacity(rows);
-        residual.extend((0..sensors).map(|s| {
-            weights[s] * (data.accelerations[s] - line.acceleration(s, Load::Exciter) * data.force)
-        }));
-        residual.resize(rows, Complex64::ZERO);
-        let mut balance = Self {
-            forces: Vec::new(),
-            residual,
-            degenerate: false,
-            columns: Vec::with_capacity(rows * loads.len()),
-            upper: vec![Complex64::ZERO; loads.len() * loads.len()],
-            weights,
-            loads: loads.len(),
-            sensors,
-        };
-        for (u, load) in loads.iter().enumerate() {
-            let weights = &balance.weights;
-            balance.columns.extend((0..sensors).map(|s| weights[s] * line.acceleration(s, *load)));
-            balance.columns.resize(rows * (u + 1), Complex64::ZERO);
-            balance.columns[rows * u + sensors + u] = Complex64::from(prior[u].sqrt().recip());
-            balance.orthogonalise(u);
-        }
-        balance.back_substitute();
+        let mut balance = Self::default();
+        balance.renew(line, data, loads, prior);
         balance
+    }
+
+    /// Solves another line in the memory of this one.
+    pub(crate) fn renew(&mut self, line: &LineReceptances, data: &LineData, loads: &[Load], prior: &[f64]) {
+        (self.loads, self.sensors, self.degenerate) = (loads.len(), data.accelerations.len(), false);
+        self.weights.clear();
+        self.weights.extend(data.variances.iter().map(|v| if *v > 0.0 { v.sqrt().recip() } else { 0.0 }));
+        let rows = self.sensors + self.loads;
+        self.residual.clear();
+        let measured = self.weights.iter().zip(&data.accelerations).enumerate();
+        self.residual
+            .extend(measured.map(|(s, (w, a))| w * (a - line.acceleration(s, Load::Exciter) * data.force)));
+        self.residual.resize(rows, Complex64::ZERO);
+        self.upper.clear();
+        self.upper.resize(self.loads * self.loads, Complex64::ZERO);
+        self.columns.clear();
+        for (u, load) in loads.iter().enumerate() {
+            let column = self.weights.iter().enumerate().map(|(s, w)| w * line.acceleration(s, *load));
+            self.columns.extend(column);
+            self.columns.resize(rows * (u + 1), Complex64::ZERO);
+            self.columns[rows * u + self.sensors + u] = Complex64::from(prior[u].sqrt().recip());
+            self.orthogonalise(u);
+        }
+        self.back_substitute();
     }
 
     /// Column `u` of `Q`.
@@ -99,7 +98,8 @@ impl LineBalance {
 
     fn back_substitute(&mut self) {
         let rows = self.sensors + self.loads;
-        let mut right = Vec::with_capacity(self.loads);
+        let mut right = std::mem::take(&mut self.forces);
+        right.clear();
         for q in self.columns.chunks_exact(rows) {
             let along = inner(q, &self.residual);
             right.push(along);
@@ -148,11 +148,11 @@ impl LineBalance {
         right
     }
 
-    /// Coordinates `Qᴴ W^{1/2} φ` of a real shape at the sensors along the columns of the forces: the part of it that they take up.
-    pub(crate) fn taken_up(&self, shape: impl Iterator<Item = f64> + Clone, into: &mut [Complex64]) {
+    /// Coordinates `Qᴴ x` of a real whitened vector `x = W^{1/2} φ` at the sensors along the columns of the forces: the part of it
+    /// that they take up.
+    pub(crate) fn taken_up(&self, whitened: &[f64], into: &mut [Complex64]) {
         for (u, entry) in into.iter_mut().enumerate() {
-            let terms = self.column(u).iter().zip(&self.weights).zip(shape.clone());
-            *entry = terms.map(|((q, w), x)| q.conj() * (w * x)).sum();
+            *entry = self.column(u).iter().zip(whitened).map(|(q, x)| q.conj() * x).sum();
         }
     }
 

@@ -78,16 +78,17 @@ pub(crate) struct Equations<'a> {
     pub(crate) lines: &'a RunLines,
     pub(crate) fixed: &'a FixedReceptances,
     pub(crate) loads: Vec<Load>,
-    /// Variance that an imperfect structure adds to each sensor of each line `1..=H`; empty for none.
-    pub(crate) doubt: Vec<Vec<f64>>,
-    /// Share `ε²` of a sensor's power that it adds.
-    pub(crate) share: f64,
+    /// Data of the lines `1..=H`: asked for in every step of a calibration.
+    data: Vec<LineData>,
+    /// Share `ε²` of a sensor's power that an imperfect structure adds to its variance; `None` until it is known.
+    doubt: Option<f64>,
 }
 
 impl<'a> Equations<'a> {
     /// Equations of a perfect structure.
     pub(crate) fn new((lines, fixed): (&'a RunLines, &'a FixedReceptances), loads: Vec<Load>) -> Self {
-        Self { lines, fixed, loads, doubt: Vec::new(), share: 0.0 }
+        let data = (1..=lines.force.order()).map(|h| LineData::of(lines, h)).collect();
+        Self { lines, fixed, loads, data, doubt: None }
     }
 
     /// The same run with other loads, of a perfect structure.
@@ -105,22 +106,43 @@ impl<'a> Equations<'a> {
         (1..=self.order()).map(line).collect()
     }
 
-    /// Data of a line `h ≥ 1`.
-    pub(crate) fn data(&self, line: usize) -> LineData {
-        let mut data = LineData {
-            force: self.lines.force.coefficients[line],
-            force_variance: self.lines.force.variance[line],
-            accelerations: self.lines.accelerations.iter().map(|a| a.coefficients[line]).collect(),
-            variances: self.lines.accelerations.iter().map(|a| a.variance[line]).collect(),
-        };
-        if let Some(doubt) = self.doubt.get(line - 1) {
-            data.variances.iter_mut().zip(doubt).for_each(|(v, d)| *v += d);
+    /// Adds the share `ε²` of the powers of each sensor of each line `1..=H` to their variances.
+    pub(crate) fn doubt(&mut self, share: f64, powers: &[Vec<f64>]) {
+        self.doubt = Some(share);
+        for (data, powers) in self.data.iter_mut().zip(powers) {
+            data.variances.iter_mut().zip(powers).for_each(|(v, p)| *v += share * p);
         }
-        data
+    }
+
+    /// Share `ε²` of a sensor's power that an imperfect structure adds to its variance.
+    pub(crate) fn share(&self) -> f64 {
+        self.doubt.unwrap_or(0.0)
+    }
+
+    /// Whether the data hold no doubt of the structure.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.doubt.is_none()
+    }
+
+    /// Data of a line `h ≥ 1`.
+    pub(crate) fn data(&self, line: usize) -> &LineData {
+        &self.data[line - 1]
     }
 
     pub(crate) fn order(&self) -> usize {
         self.lines.force.order()
+    }
+}
+
+impl LineData {
+    /// Data of a line `h ≥ 1` of a run.
+    pub(crate) fn of(lines: &RunLines, line: usize) -> Self {
+        Self {
+            force: lines.force.coefficients[line],
+            force_variance: lines.force.variance[line],
+            accelerations: lines.accelerations.iter().map(|a| a.coefficients[line]).collect(),
+            variances: lines.accelerations.iter().map(|a| a.variance[line]).collect(),
+        }
     }
 }
 
@@ -142,12 +164,35 @@ impl Step {
         self.gradient.iter_mut().zip(&other.gradient).for_each(|(a, b)| *a += b);
         self
     }
+
+    /// The triangle below the diagonal from the one above.
+    fn mirrored(mut self) -> Self {
+        let n = self.gradient.len();
+        for p in 0..n {
+            for q in 0..p {
+                self.matrix[p * n + q] = self.matrix[q * n + p];
+            }
+        }
+        self
+    }
+}
+
+/// The covariance of the parameters at a calibrated structure, row-major; as declared where the runs determine none.
+pub(crate) fn covariance(
+    (declared, at): (&CalibratedStructure, &CalibratedStructure),
+    dynamics: &Dynamics,
+    runs: &[&Equations<'_>],
+) -> Vec<f64> {
+    let problem = Problem { declared, dynamics, runs };
+    let known = problem.weighted(&problem.parameters(&at.model), &|weight| weight.min(1.0));
+    inverse(&known).unwrap_or_else(|| declared.covariance.clone())
 }
 
 /// Calibrates the trusted modes by Gauss-Newton on the projected residual (variable projection, Kaufman's form).
 ///
 /// Minimises `Σ_lines (4 + d) ln(1 + χ²/4) + Σ_p (θ_p/s_p)²` over `θ = ln(ω_n/ω_n0), ln(ζ_n/ζ_n0)`; the contact forces of
-/// every line are eliminated by [`LineBalance`], so that no friction law is needed. Begins at the parameters `from`.
+/// every line are eliminated by [`LineBalance`], so that no friction law is needed. Begins at the parameters `from`. The covariance is left
+/// as declared: [`covariance`] takes another pass, and only the last calibration needs it.
 pub(crate) fn calibrate(
     (declared, from): (&CalibratedStructure, &CalibratedStructure),
     dynamics: &Dynamics,
@@ -173,9 +218,7 @@ pub(crate) fn calibrate(
             break;
         }
     }
-    let known = problem.weighted(&theta, &|weight| weight.min(1.0));
-    let covariance = inverse(&known).unwrap_or_else(|| declared.covariance.clone());
-    CalibratedStructure { model: problem.model(&theta), covariance, modes: declared.modes, converged }
+    CalibratedStructure { model: problem.model(&theta), converged, ..declared.clone() }
 }
 
 struct Problem<'a> {
@@ -244,13 +287,13 @@ impl Problem<'_> {
     fn run_step(&self, model: &ModalModel, run: &Equations<'_>, weight: &dyn Fn(f64) -> f64) -> Step {
         let modes = self.declared.modes;
         let mut step = Step::zero(2 * modes);
-        let mut line = LineReceptances::default();
-        let mut tangents = Tangents::new(modes, run.loads.len());
+        let (mut line, mut balance) = (LineReceptances::default(), LineBalance::default());
+        let mut tangents = Tangents::new(self.dynamics, modes, run.loads.len());
         let free = vec![f64::INFINITY; run.loads.len()];
         for h in 1..=run.order() {
-            self.dynamics.fill_upon(model, run.fixed, h, &mut line);
+            self.dynamics.fill_sensors_upon(model, run.fixed, h, &mut line);
             let data = run.data(h);
-            let balance = LineBalance::solve(&line, &data, &run.loads, &free);
+            balance.renew(&line, data, &run.loads, &free);
             let (chi, freedom) = (balance.chi_square(), balance.freedom() as f64);
             if freedom == 0.0 {
                 continue;
@@ -270,7 +313,7 @@ impl Problem<'_> {
             }
             tangents.accumulate(&mut step, 2.0 * weight);
         }
-        step
+        step.mirrored()
     }
 }
 
@@ -280,6 +323,8 @@ impl Problem<'_> {
 struct Tangents {
     modes: usize,
     loads: usize,
+    /// Shapes at the sensors under the weights of the line, a row each mode.
+    shapes: Vec<f64>,
     /// Coordinates of the shapes along the forces, a row each mode.
     taken: Vec<Complex64>,
     /// Products `ψ_nᴴ ψ_m` for `m ≥ n`, and `ψ_nᴴ r` with the residual.
@@ -289,11 +334,12 @@ struct Tangents {
 }
 
 impl Tangents {
-    fn new(modes: usize, loads: usize) -> Self {
+    fn new(dynamics: &Dynamics, modes: usize, loads: usize) -> Self {
         let zero = |n: usize| vec![Complex64::ZERO; n];
         Self {
             modes,
             loads,
+            shapes: vec![0.0; modes * dynamics.sensors()],
             taken: zero(modes * loads),
             products: zero(modes * modes),
             along: zero(modes),
@@ -303,38 +349,53 @@ impl Tangents {
 
     /// Products of the shapes under the weights of a line.
     fn fill(&mut self, dynamics: &Dynamics, balance: &LineBalance) {
-        let (loads, weights) = (self.loads, balance.weights());
+        let (loads, sensors) = (self.loads, dynamics.sensors());
         for n in 0..self.modes {
-            let shape = dynamics.sensor_shapes(n);
-            balance.taken_up(shape.iter().copied(), &mut self.taken[n * loads..(n + 1) * loads]);
-            let terms = shape.iter().zip(weights).zip(&balance.residual);
-            self.along[n] = terms.map(|((x, w), r)| r * (x * w)).sum();
+            let shape = &mut self.shapes[n * sensors..(n + 1) * sensors];
+            let plain = dynamics.sensor_shapes(n).iter().zip(balance.weights());
+            shape.iter_mut().zip(plain).for_each(|(whitened, (x, w))| *whitened = x * w);
+            balance.taken_up(shape, &mut self.taken[n * loads..(n + 1) * loads]);
+            self.along[n] = shape.iter().zip(&balance.residual).map(|(x, r)| r * x).sum();
         }
-        for n in 0..self.modes {
-            for m in n..self.modes {
-                let pairs = dynamics.sensor_shapes(n).iter().zip(dynamics.sensor_shapes(m)).zip(weights);
-                let whole: f64 = pairs.map(|((x, y), w)| x * y * w * w).sum();
-                let rows = self.taken[n * loads..][..loads].iter().zip(&self.taken[m * loads..][..loads]);
-                let taken: Complex64 = rows.map(|(a, b)| a.conj() * b).sum();
-                self.products[n * self.modes + m] = whole - taken;
+        let parts = || self.shapes.chunks_exact(sensors).zip(self.taken.chunks_exact(loads));
+        let rows = self.products.chunks_exact_mut(self.modes.max(1));
+        for (n, (row, (shape, taken))) in rows.zip(parts()).enumerate() {
+            for (entry, (other, along)) in row.iter_mut().zip(parts()).skip(n) {
+                let along: Complex64 = taken.iter().zip(along).map(|(a, b)| a.conj() * b).sum();
+                *entry = inner(shape, other) - along;
             }
         }
     }
 
+    /// Adds a line to the blocks of two rows and two columns a pair of modes on the diagonal and above it.
     fn accumulate(&self, step: &mut Step, weight: f64) {
-        let count = self.amplitudes.len();
-        for (p, z) in self.amplitudes.iter().enumerate() {
-            let (n, scaled) = (p / 2, z.conj() * weight);
-            step.gradient[p] += (scaled * self.along[n]).re;
-            for (q, other) in self.amplitudes.iter().enumerate().skip(p) {
-                let product = (scaled * self.products[n * self.modes + q / 2] * other).re;
-                step.matrix[p * count + q] += product;
-                if q != p {
-                    step.matrix[q * count + p] += product;
+        let (pairs, _) = self.amplitudes.as_chunks::<2>();
+        let rows = step.matrix.chunks_exact_mut(2 * self.amplitudes.len().max(1));
+        for (n, (rows, pair)) in rows.zip(pairs).enumerate() {
+            let scaled = pair.map(|z| z.conj() * weight);
+            for (gradient, z) in step.gradient[2 * n..].iter_mut().zip(scaled) {
+                *gradient += (z * self.along[n]).re;
+            }
+            let (first, second) = rows.split_at_mut(self.amplitudes.len());
+            let products = self.products[n * self.modes..].iter().zip(pairs).skip(n);
+            let entries = first[2 * n..].chunks_exact_mut(2).zip(second[2 * n..].chunks_exact_mut(2));
+            for ((product, others), (first, second)) in products.zip(entries) {
+                for (q, other) in others.iter().enumerate() {
+                    let right = product * other;
+                    first[q] += scaled[0].re * right.re - scaled[0].im * right.im;
+                    second[q] += scaled[1].re * right.re - scaled[1].im * right.im;
                 }
             }
         }
     }
+}
+
+/// `Σ x_s y_s` of a few sensors, two at a time.
+fn inner(x: &[f64], y: &[f64]) -> f64 {
+    let ((pairs, x), (others, y)) = (x.as_chunks::<2>(), y.as_chunks::<2>());
+    let [first, second] =
+        pairs.iter().zip(others).fold([0.0; 2], |sum, (x, y)| [sum[0] + x[0] * y[0], sum[1] + x[1] * y[1]]);
+    first + second + x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>()
 }
 
 /// Generalised force `φ_e F_e + Σ_u φ_u f_u` of a mode.

@@ -11,6 +11,7 @@ use frettrace_fourier::Harmonics;
 use num_complex::Complex64;
 pub(crate) use outputs::COMPLIANCE_DOUBT;
 use outputs::Outputs;
+use std::sync::OnceLock;
 
 /// What was recovered in the contact, line by line; line 0 is zero throughout, for accelerations do not see means.
 #[derive(Clone, Debug)]
@@ -93,9 +94,16 @@ pub(crate) struct Setting<'a> {
     pub(crate) normal_stiffness: f64,
     /// Whether the friction force is smoothed by a periodic spline instead of line by line.
     pub(crate) splines: bool,
+    /// What [`CalibratedStructure::roots`] says: the same for all runs.
+    pub(crate) roots: OnceLock<Vec<Vec<f64>>>,
 }
 
 impl Setting<'_> {
+    /// Independent sources of the errors of the structure's parameters.
+    pub(crate) fn roots(&self) -> &[Vec<f64>] {
+        self.roots.get_or_init(|| self.structure.roots())
+    }
+
     /// Residual of the balance without any prior on the forces.
     pub(crate) fn residual(&self, run: &Equations<'_>) -> BalanceResidual {
         self.free(run, &run.receptances(self.dynamics, &self.structure.model)).0
@@ -111,15 +119,16 @@ impl Setting<'_> {
         let none = vec![f64::INFINITY; unknowns];
         let mut found = BalanceResidual::default();
         let mut powers = vec![Vec::with_capacity(run.order()); unknowns];
+        let mut balance = LineBalance::default();
         for (line, h) in receptances.iter().zip(1..) {
-            let balance = LineBalance::solve(line, &run.data(h), &run.loads, &none);
+            balance.renew(line, run.data(h), &run.loads, &none);
             let covariance = balance.covariance();
             for (u, power) in powers.iter_mut().enumerate() {
                 power.push((balance.forces[u], covariance[u * unknowns + u].re));
             }
             found.chi_square.push(balance.chi_square());
             found.freedom.push(balance.freedom());
-            found.whitened.push(balance.residual);
+            found.whitened.push(balance.residual.clone());
         }
         (found, powers)
     }
@@ -127,8 +136,13 @@ impl Setting<'_> {
     /// Balance with the regularisation: each force of each line has a prior variance drawn from the spectrum itself.
     pub(crate) fn balance(&self, run: &Equations<'_>) -> RunBalance {
         let receptances = run.receptances(self.dynamics, &self.structure.model);
-        let (residual, plain) = self.free(&run.with_loads(run.loads.clone()), &receptances);
-        let powers = if run.doubt.is_empty() { plain.clone() } else { self.free(run, &receptances).1 };
+        let (residual, plain, powers) = if run.is_plain() {
+            let (residual, plain) = self.free(run, &receptances);
+            (residual, plain.clone(), plain)
+        } else {
+            let (residual, plain) = self.free(&run.with_loads(run.loads.clone()), &receptances);
+            (residual, plain, self.free(run, &receptances).1)
+        };
         let stride = 2 * run.lines.subharmonic_order;
         let priors: Vec<Vec<f64>> = plain
             .iter()
@@ -136,12 +150,12 @@ impl Setting<'_> {
             .map(|(plain, doubted)| prior::widened(plain, doubted, stride))
             .collect();
         let smooth = if self.splines { smoothed(run, &powers[0]) } else { None };
-        let roots = self.structure.roots();
-        let mut table = Table::new(run, self.dynamics.sensors(), roots.len() + 1);
+        let mut table = Table::new(run, self.dynamics.sensors(), self.roots().len() + 1);
         let mut regularised = Vec::new();
+        let mut balance = LineBalance::default();
         for (line, h) in receptances.iter().zip(1..) {
             let prior: Vec<f64> = priors.iter().map(|p| p[h - 1]).collect();
-            let mut balance = LineBalance::solve(line, &run.data(h), &run.loads, &prior);
+            balance.renew(line, run.data(h), &run.loads, &prior);
             if let Some(smooth) = &smooth {
                 balance.forces[0] = smooth.coefficients[h];
             }
@@ -149,8 +163,7 @@ impl Setting<'_> {
             if balance.degenerate || priors[0][h - 1] < friction {
                 regularised.push(h);
             }
-            let outputs = Outputs { setting: self, run, line, balance: &balance, h };
-            outputs.write(&roots, &mut table);
+            Outputs::new((self, run), (line, &balance, h)).write(&mut table);
         }
         RunBalance { contact: table.finish(run), residual, regularised }
     }

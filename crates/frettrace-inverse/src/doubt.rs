@@ -65,8 +65,7 @@ pub(crate) fn add(setting: &Setting<'_>, runs: &mut [Equations<'_>]) -> bool {
         let conspicuous =
             Sums::of(lines, own).square() > square && Sums::of(lines, square).beyond(square) > OWN;
         let here = if conspicuous { own } else { square };
-        run.share = here;
-        run.doubt = powers.iter().map(|line| line.iter().map(|p| here * p).collect()).collect();
+        run.doubt(here, powers);
         any |= here > 0.0;
     }
     any
@@ -90,12 +89,12 @@ fn excess(setting: &Setting<'_>, run: &Equations<'_>) -> (Vec<LineExcess>, Vec<V
         return (Vec::new(), Vec::new());
     }
     let free = vec![f64::INFINITY; run.loads.len()];
-    let mut line = LineReceptances::default();
+    let (mut line, mut balance) = (LineReceptances::default(), LineBalance::default());
     let (mut excesses, mut powers) = (Vec::new(), Vec::new());
     for h in 1..=run.order() {
-        setting.dynamics.fill_upon(&setting.structure.model, run.fixed, h, &mut line);
+        setting.dynamics.fill_sensors_upon(&setting.structure.model, run.fixed, h, &mut line);
         let data = run.data(h);
-        let balance = LineBalance::solve(&line, &data, &run.loads, &free);
+        balance.renew(&line, data, &run.loads, &free);
         let power: Vec<f64> = (0..data.accelerations.len())
             .map(|s| {
                 let exciter = (line.acceleration(s, Load::Exciter) * data.force).norm_sqr();

@@ -47,6 +47,8 @@ pub struct Dynamics {
     output: Vec<f64>,
     /// Shapes at the loads, one row of four a mode.
     input: Vec<f64>,
+    /// Products of both for the loads that act: `S + 2` rows a mode, of a column each.
+    products: Vec<f64>,
     /// Residual flexibility, `S + 2` rows of four.
     residual: Vec<f64>,
     /// Flexibility of the modes beyond those the beam theory holds for, `S + 2` rows of four.
@@ -130,13 +132,22 @@ impl Dynamics {
         let residual = table(&|o, i| model.residual(o, i));
         let doubtful =
             table(&|o, i| model.residual(o, i) + beyond.iter().map(|b| b.between(o, i)).sum::<f64>());
+        let columns = if rig.second_support.is_some() { COLUMNS } else { COLUMNS - 1 };
+        let (output, input) = (at(&outputs), at(&inputs));
+        let modes = output.chunks_exact(outputs.len()).zip(input.chunks_exact(COLUMNS));
+        let products = modes
+            .flat_map(|(output, input)| {
+                output.iter().flat_map(move |o| input[..columns].iter().map(move |i| o * i))
+            })
+            .collect();
         Self {
             doubtful,
             sensors: rig.sensors.len(),
-            columns: if rig.second_support.is_some() { COLUMNS } else { COLUMNS - 1 },
+            columns,
             modes: model.mode_count(),
-            output: at(&outputs),
-            input: at(&inputs),
+            output,
+            input,
+            products,
             residual,
         }
     }
@@ -186,21 +197,18 @@ impl Dynamics {
     fn start(&self, omega: f64, line: &mut LineReceptances) {
         (line.omega, line.sensors, line.columns) = (omega, self.sensors, self.columns);
         line.matrix.clear();
+        line.matrix.reserve((self.sensors + 2) * self.columns);
         let rows = self.residual.chunks_exact(COLUMNS);
         line.matrix.extend(rows.flat_map(|row| row[..self.columns].iter().map(|r| Complex64::from(*r))));
     }
 
-    /// Adds modes to the receptances of a line.
+    /// Adds modes to the receptances of a line, as many rows as it has.
     fn add_modes(&self, structure: &ModalModel, modes: Range<usize>, line: &mut LineReceptances) {
-        let outputs = self.sensors + 2;
+        let count = (self.sensors + 2) * self.columns;
         for mode in modes {
             let gain = structure.modal_receptance(mode, line.omega);
-            let input = &self.input[mode * COLUMNS..][..self.columns];
-            let output = &self.output[mode * outputs..(mode + 1) * outputs];
-            for (row, shape) in line.matrix.chunks_exact_mut(self.columns).zip(output) {
-                let scaled = gain * *shape;
-                row.iter_mut().zip(input).for_each(|(entry, load)| *entry += scaled * *load);
-            }
+            let products = &self.products[mode * count..(mode + 1) * count];
+            line.matrix.iter_mut().zip(products).for_each(|(entry, product)| *entry += gain * *product);
         }
     }
 
@@ -228,10 +236,31 @@ impl Dynamics {
         h: usize,
         line: &mut LineReceptances,
     ) {
+        self.fill_rows(structure, fixed, (h, self.sensors + 2), line);
+    }
+
+    /// The same for the sensors alone: slip and end are not in it.
+    pub(crate) fn fill_sensors_upon(
+        &self,
+        structure: &ModalModel,
+        fixed: &FixedReceptances,
+        h: usize,
+        line: &mut LineReceptances,
+    ) {
+        self.fill_rows(structure, fixed, (h, self.sensors), line);
+    }
+
+    fn fill_rows(
+        &self,
+        structure: &ModalModel,
+        fixed: &FixedReceptances,
+        (h, rows): (usize, usize),
+        line: &mut LineReceptances,
+    ) {
         let start = &fixed.lines[h - 1];
         (line.omega, line.sensors, line.columns) = (start.omega, start.sensors, start.columns);
         line.matrix.clear();
-        line.matrix.extend_from_slice(&start.matrix);
+        line.matrix.extend_from_slice(&start.matrix[..rows * start.columns]);
         self.add_modes(structure, 0..fixed.modes, line);
     }
 }

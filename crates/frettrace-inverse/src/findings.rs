@@ -1,6 +1,6 @@
 //! What is wrong with the channels, found from the samples and from the balance.
 
-use crate::balance::LineBalance;
+use crate::balance::{LineBalance, LineData};
 use crate::calibration::Equations;
 use crate::contact::Setting;
 use crate::dynamics::{LineReceptances, Load};
@@ -128,14 +128,18 @@ pub(crate) fn of_channels(rig: &Rig, runs: &[RunData<'_>]) -> Vec<Finding> {
     if runs.len() == 1 {
         found.push(Finding::SingleRun);
     }
-    let levels: Vec<f64> = (0..rig.sensors.len())
-        .map(|s| runs.iter().map(|run| span(run.accelerations[s])).fold(0.0, f64::max))
+    let ranges: Vec<Vec<Range>> = (0..rig.sensors.len())
+        .map(|s| runs.iter().map(|run| Range::of(run.accelerations[s])).collect())
         .collect();
+    let levels: Vec<f64> =
+        ranges.iter().map(|runs| runs.iter().map(Range::span).fold(0.0, f64::max)).collect();
     let loudest = levels.iter().copied().fold(0.0, f64::max);
     for (sensor, level) in levels.iter().enumerate() {
         if *level <= DEAD * loudest {
             found.push(Finding::DeadSensor { sensor });
-        } else if let Some(run) = runs.iter().find(|run| is_clipped(run.accelerations[sensor])) {
+        } else if let Some((run, _)) =
+            runs.iter().zip(&ranges[sensor]).find(|(run, range)| range.is_clipping(run.accelerations[sensor]))
+        {
             found.push(Finding::ClippedSensor { sensor, run: run.id.to_owned() });
         }
         let twin = (0..sensor).find(|other| {
@@ -147,16 +151,39 @@ pub(crate) fn of_channels(rig: &Rig, runs: &[RunData<'_>]) -> Vec<Finding> {
     found
 }
 
-fn span(x: &[f64]) -> f64 {
-    let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
-    high - low
+/// Extreme values of a channel.
+struct Range {
+    low: f64,
+    high: f64,
 }
 
-fn is_clipped(x: &[f64]) -> bool {
-    let high = x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let low = x.iter().copied().fold(f64::INFINITY, f64::min);
-    let at = |limit: f64| x.iter().filter(|v| **v == limit).count() as f64;
-    low < high && at(high).max(at(low)) > (CLIPPED * x.len() as f64).max(3.0)
+impl Range {
+    /// Values side by side: one after the other each comparison would wait for the one before.
+    const LANES: usize = 8;
+
+    fn of(x: &[f64]) -> Self {
+        let (blocks, others) = x.as_chunks::<{ Self::LANES }>();
+        let (mut low, mut high) = ([f64::INFINITY; Self::LANES], [f64::NEG_INFINITY; Self::LANES]);
+        for block in blocks {
+            low.iter_mut().zip(block).for_each(|(low, v)| *low = low.min(*v));
+            high.iter_mut().zip(block).for_each(|(high, v)| *high = high.max(*v));
+        }
+        let others = || others.iter().copied();
+        Self {
+            low: low.into_iter().chain(others()).fold(f64::INFINITY, f64::min),
+            high: high.into_iter().chain(others()).fold(f64::NEG_INFINITY, f64::max),
+        }
+    }
+
+    fn span(&self) -> f64 {
+        self.high - self.low
+    }
+
+    /// Whether the extreme values of a channel repeat.
+    fn is_clipping(&self, x: &[f64]) -> bool {
+        let at = |limit: f64| x.iter().filter(|v| **v == limit).count() as f64;
+        self.low < self.high && at(self.high).max(at(self.low)) > (CLIPPED * x.len() as f64).max(3.0)
+    }
 }
 
 fn nodes(rig: &Rig) -> Vec<Finding> {
@@ -254,7 +281,6 @@ fn balances(
         .map(|h| (h, lines.accelerations.iter().map(|a| a.coefficients[h].norm_sqr()).sum()))
         .collect();
     strength.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let equations = Equations::new((lines, run.fixed), run.loads.clone());
     let free = vec![f64::INFINITY; run.loads.len()];
     strength
         .iter()
@@ -262,7 +288,7 @@ fn balances(
         .map(|(h, _)| {
             let mut line = LineReceptances::default();
             setting.dynamics.fill_upon(&setting.structure.model, run.fixed, *h, &mut line);
-            let balance = LineBalance::solve(&line, &equations.data(*h), &run.loads, &free);
+            let balance = LineBalance::solve(&line, &LineData::of(lines, *h), &run.loads, &free);
             (line, balance)
         })
         .collect()

@@ -8,13 +8,14 @@ pub use series::Channel;
 use series::{Series, Times};
 
 use crate::analysis::{Form, RunLines, analyse};
-use crate::calibration::{CalibratedStructure, Equations, calibrate};
+use crate::calibration::{CalibratedStructure, Equations, calibrate, covariance};
 use crate::contact::{BalanceResidual, ContactHarmonics, RunBalance, Setting};
 use crate::doubt;
 use crate::dynamics::{Dynamics, FixedReceptances, Load};
 use crate::findings::{self, Finding};
 use crate::{InverseError, Options, Rig, RunData, Slip};
 use rayon::prelude::*;
+use std::sync::OnceLock;
 use whole::Beside;
 
 /// Excess of the balance residual over its expectation from which a further unknown is considered.
@@ -81,16 +82,19 @@ pub fn reconstruct(
 ) -> Result<Reconstruction, InverseError> {
     check::rig(rig)?;
     check::runs(rig, runs)?;
-    let lines: Vec<RunLines> =
-        runs.par_iter().map(|run| analyse(run, &rig.sensors, options.form)).collect::<Result<_, _>>()?;
-    let dynamics = Dynamics::new(rig);
+    // What asks for no line of any run is done beside the runs.
+    let (lines, (dynamics, mut findings)) = rayon::join(
+        || runs.par_iter().map(|run| analyse(run, &rig.sensors, options.form)).collect::<Result<_, _>>(),
+        || (Dynamics::new(rig), findings::of_channels(rig, runs)),
+    );
+    let lines: Vec<RunLines> = lines?;
     let declared = CalibratedStructure::declared(rig.structure.clone(), &rig.trust);
     let fixed: Vec<FixedReceptances> = lines
         .par_iter()
         .map(|run| dynamics.fixed(&rig.structure, declared.modes, (run.force.base, run.force.order())))
         .collect();
     let mut equations: Vec<Equations<'_>> =
-        lines.iter().zip(&fixed).map(|run| Equations::new(run, wanted(rig))).collect();
+        lines.par_iter().zip(&fixed).map(|run| Equations::new(run, wanted(rig))).collect();
     let calibrated = |from: &CalibratedStructure, equations: &[Equations<'_>]| {
         fitted((&declared, from), &dynamics, equations, options)
     };
@@ -101,17 +105,19 @@ pub fn reconstruct(
     if doubt::add(&setting(rig, &structure, &dynamics), &mut equations) {
         structure = calibrated(&structure, &equations);
     }
+    structure.covariance = covariance_of((&declared, &structure), &dynamics, &equations, options);
     let setting = Setting { splines: options.splines, ..setting(rig, &structure, &dynamics) };
-    let mut findings = findings::of_channels(rig, runs);
-    let told = loudest(&lines).and_then(|run| {
-        findings::of_balance(&setting, &equations[run].with_loads(equations[run].loads.clone()))
-    });
+    let (solved, told): (Vec<Solved>, _) = rayon::join(
+        || {
+            let runs = equations.par_iter().zip(runs);
+            runs.map(|(equations, run)| Solved::of(rig, &setting, run, equations)).collect()
+        },
+        || {
+            let run = &equations[loudest(&lines)?];
+            findings::of_balance(&setting, &run.with_loads(run.loads.clone()))
+        },
+    );
     findings.extend(told.filter(|finding| !finding.follows(&findings)));
-    let solved: Vec<Solved> = equations
-        .par_iter()
-        .zip(runs)
-        .map(|(equations, run)| Solved::of(rig, &setting, run, equations))
-        .collect();
     drop(equations);
     let finished = lines
         .into_par_iter()
@@ -150,7 +156,13 @@ fn loudest(lines: &[RunLines]) -> Option<usize> {
 }
 
 fn setting<'a>(rig: &Rig, structure: &'a CalibratedStructure, dynamics: &'a Dynamics) -> Setting<'a> {
-    Setting { structure, dynamics, normal_stiffness: rig.normal_stiffness, splines: false }
+    Setting {
+        structure,
+        dynamics,
+        normal_stiffness: rig.normal_stiffness,
+        splines: false,
+        roots: OnceLock::new(),
+    }
 }
 
 /// The contact forces that are wanted of every run.
@@ -165,15 +177,35 @@ fn fitted(
     equations: &[Equations<'_>],
     options: &Options,
 ) -> CalibratedStructure {
-    let usable: Vec<&Equations<'_>> = equations
-        .iter()
-        .filter(|run| run.lines.form != Form::Aperiodic && dynamics.sensors() > run.loads.len())
-        .collect();
-    if options.calibrate && !usable.is_empty() {
-        calibrate((declared, from), dynamics, &usable)
+    let usable = usable(dynamics, equations, options);
+    if usable.is_empty() { declared.clone() } else { calibrate((declared, from), dynamics, &usable) }
+}
+
+/// Covariance of the parameters of a structure that was calibrated so.
+fn covariance_of(
+    (declared, structure): (&CalibratedStructure, &CalibratedStructure),
+    dynamics: &Dynamics,
+    equations: &[Equations<'_>],
+    options: &Options,
+) -> Vec<f64> {
+    let usable = usable(dynamics, equations, options);
+    if usable.is_empty() {
+        declared.covariance.clone()
     } else {
-        declared.clone()
+        covariance((declared, structure), dynamics, &usable)
     }
+}
+
+/// The runs that the structure is calibrated on.
+fn usable<'a, 'b>(
+    dynamics: &Dynamics,
+    equations: &'b [Equations<'a>],
+    options: &Options,
+) -> Vec<&'b Equations<'a>> {
+    let tells = |run: &&Equations<'_>| {
+        options.calibrate && run.lines.form != Form::Aperiodic && dynamics.sensors() > run.loads.len()
+    };
+    equations.iter().filter(tells).collect()
 }
 
 /// Frees the normal reaction of the runs whose balance residual asks for it; whether any does.
@@ -214,19 +246,22 @@ fn with_normal_reaction(rig: &Rig, loads: &[Load]) -> Option<Vec<Load>> {
     possible.then(|| loads.iter().copied().chain([Load::NormalDeviation]).collect())
 }
 
-fn finish(rig: &Rig, run: &RunData<'_>, lines: RunLines, solved: Solved) -> RunReconstruction {
+fn finish(rig: &Rig, run: &RunData<'_>, mut lines: RunLines, solved: Solved) -> RunReconstruction {
     let Solved { balance: RunBalance { contact, residual, regularised }, beside, loads } = solved;
     let frequency_std = if lines.form == Form::Aperiodic { 0.0 } else { lines.frequency.std };
-    let mut series = Series::of(&contact, &Times::new(&lines, frequency_std, &contact.friction));
+    let times = Times::new(&lines, frequency_std, &contact.friction);
+    let mut series = Series::of(&contact, &times);
     if let Beside::Contact(beside) = &beside {
         let times = Times::new(&lines, 0.0, &beside.contact.friction);
         series = series.with(&Series::of(&beside.contact, &times));
     }
+    // Its tables are larger than what they made.
+    lines.sampler = None;
     // What is between the lines and no force makes is noise, whatever was declared.
     let noise = if let Beside::Foreign(_) = beside { &lines.residual_std } else { &lines.noise_std };
     let (acceleration_error, noise_floor) = series::errors(run, &series.acceleration_fit, noise);
     RunReconstruction {
-        time: (0..lines.samples).map(|j| j as f64 / lines.sampling_rate).collect(),
+        time: times.into_samples(),
         friction_force: series.friction,
         normal_force: series.normal.plus(run.preload),
         slip_displacement: series.slip,

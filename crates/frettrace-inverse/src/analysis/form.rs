@@ -1,6 +1,6 @@
 //! Evidence for subharmonics.
 
-use frettrace_fourier::{Frequency, Lines, Projector};
+use frettrace_fourier::{Frequency, Lines, Projector, dot};
 use std::f64::consts::LN_2;
 
 /// Highest subharmonic order that is looked for.
@@ -60,7 +60,7 @@ impl Subharmonics<'_> {
 }
 
 fn mean_square(x: &[f64]) -> f64 {
-    x.iter().map(|v| v * v).sum::<f64>() / x.len().max(1) as f64
+    dot(x, x) / x.len().max(1) as f64
 }
 
 /// Standard deviation of white noise with the median of a periodogram `|X_k|²/n`: `median = σ² ln 2`.

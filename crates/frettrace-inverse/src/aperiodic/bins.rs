@@ -212,6 +212,7 @@ mod tests {
     use crate::calibration::CalibratedStructure;
     use crate::{Dynamics, Rig, Sensor, Slip};
     use frettrace_beam::{Boundary, ModalModel, ModalOptions, UniformBeam};
+    use std::sync::OnceLock;
 
     fn rig() -> Rig {
         let beam = UniformBeam::rectangular(0.7, [0.03, 0.006], 2.05e11, 7850.0);
@@ -236,8 +237,13 @@ mod tests {
         let rig = rig();
         let dynamics = Dynamics::new(&rig);
         let structure = CalibratedStructure::declared(rig.structure.clone(), &[]);
-        let setting =
-            Setting { structure: &structure, dynamics: &dynamics, normal_stiffness: 1e5, splines: false };
+        let setting = Setting {
+            structure: &structure,
+            dynamics: &dynamics,
+            normal_stiffness: 1e5,
+            splines: false,
+            roots: OnceLock::new(),
+        };
         let loads = [Load::Friction, Load::NormalDeviation];
         let accelerations: Vec<Complex64> =
             (0..5).map(|s| Complex64::new(1.0 + s as f64, (3.0 * s as f64).sin())).collect();

@@ -23,7 +23,7 @@ struct Moved {
 impl Whole<'_> {
     /// Independent sources of error: those of [`crate::CalibratedStructure::roots`], then the flexibility beyond the beam theory.
     pub(super) fn structure(&self, round: &Round, common: &Common) -> Vec<Spectra> {
-        let roots = self.setting.structure.roots();
+        let roots = self.setting.roots();
         let decays = self.moved_decays(round);
         let moved: Vec<Vec<Moved>> = (0..self.bins.len())
             .into_par_iter()

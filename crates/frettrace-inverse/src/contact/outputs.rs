@@ -1,6 +1,6 @@
 //! Outputs of one line, and how they move with everything that is uncertain.
 
-use super::{Setting, Table};
+use super::{FIRST_SENSOR, Setting, Table};
 use crate::balance::LineBalance;
 use crate::calibration::{Equations, generalised_force};
 use crate::dynamics::{LineReceptances, Load};
@@ -12,11 +12,15 @@ pub(crate) const COMPLIANCE_DOUBT: f64 = 0.5;
 
 /// Outputs of one line and how they move with everything that is uncertain.
 pub(super) struct Outputs<'a> {
-    pub(super) setting: &'a Setting<'a>,
-    pub(super) run: &'a Equations<'a>,
-    pub(super) line: &'a LineReceptances,
-    pub(super) balance: &'a LineBalance,
-    pub(super) h: usize,
+    setting: &'a Setting<'a>,
+    run: &'a Equations<'a>,
+    line: &'a LineReceptances,
+    balance: &'a LineBalance,
+    h: usize,
+    /// Outputs per unit of the excitation force.
+    exciter: Vec<Complex64>,
+    /// Outputs per unit of each unknown force.
+    columns: Vec<Vec<Complex64>>,
 }
 
 /// A change of the forces, and of the displacements (sensors, slip, end; empty for none) that no force makes.
@@ -26,28 +30,54 @@ struct Change<'a> {
     moved: &'a [Complex64],
 }
 
-impl Outputs<'_> {
-    /// Writes values, variances and shared errors; `roots` are those of [`crate::CalibratedStructure::roots`].
-    pub(super) fn write(&self, roots: &[Vec<f64>], table: &mut Table) {
+/// Places of slip and normal force among the outputs.
+const SLIP: usize = 1;
+const NORMAL: usize = 2;
+
+/// All outputs per unit of a load: friction, slip, normal, second support, sensors.
+fn column(setting: &Setting<'_>, line: &LineReceptances, load: Load) -> Vec<Complex64> {
+    let own = |wanted: Load| Complex64::from(f64::from(u8::from(load == wanted)));
+    let normal = own(Load::NormalDeviation) - line.end(load) * setting.normal_stiffness;
+    let contact = [own(Load::Friction), line.slip(load), normal, own(Load::SecondSupport)];
+    let sensors = (0..setting.dynamics.sensors()).map(|s| line.acceleration(s, load));
+    contact.into_iter().chain(sensors).collect()
+}
+
+impl<'a> Outputs<'a> {
+    /// Outputs of line `h` of a run under its balance.
+    pub(super) fn new(
+        (setting, run): (&'a Setting<'a>, &'a Equations<'a>),
+        (line, balance, h): (&'a LineReceptances, &'a LineBalance, usize),
+    ) -> Self {
+        let column = |load: Load| column(setting, line, load);
+        let (exciter, columns) =
+            (column(Load::Exciter), run.loads.iter().map(|load| column(*load)).collect());
+        Self { setting, run, line, balance, h, exciter, columns }
+    }
+
+    /// Writes values, variances and shared errors.
+    pub(super) fn write(&self, table: &mut Table) {
         let force = self.run.lines.force.coefficients[self.h];
         let here = Change { exciter: force, forces: &self.balance.forces, moved: &[] };
         for (row, value) in table.values.iter_mut().zip(self.of(&here)) {
             row[self.h] = value;
         }
         let mut variances = self.variances();
-        let gains: Vec<Vec<Complex64>> =
-            (0..2 * self.setting.structure.modes).map(|p| self.parameter_gain(p / 2, p % 2)).collect();
-        let compliance = self.compliance_gain();
-        for (o, variance) in variances.iter_mut().enumerate() {
-            let along = |root: &Vec<f64>| root.iter().zip(&gains).map(|(r, g)| g[o] * *r).sum::<Complex64>();
-            let errors = roots.iter().map(along).chain(std::iter::once(compliance[o]));
-            for (p, error) in errors.enumerate() {
-                *variance += error.norm_sqr();
-                if let Some(sources) = table.shared.get_mut(o) {
-                    sources[p][self.h] = error;
-                }
+        let gains = self.parameter_gains();
+        let roots = self.setting.roots();
+        let mut errors = vec![Complex64::ZERO; variances.len()];
+        let mut add = |p: usize, errors: &[Complex64]| {
+            variances.iter_mut().zip(errors).for_each(|(variance, error)| *variance += error.norm_sqr());
+            table.shared.iter_mut().zip(errors).for_each(|(sources, error)| sources[p][self.h] = *error);
+        };
+        for (p, root) in roots.iter().enumerate() {
+            errors.fill(Complex64::ZERO);
+            for (r, gain) in root.iter().zip(gains.chunks_exact(errors.len())) {
+                errors.iter_mut().zip(gain).for_each(|(error, g)| *error += g * *r);
             }
+            add(p, &errors);
         }
+        add(roots.len(), &self.compliance_gain());
         for (row, value) in table.variances.iter_mut().zip(variances) {
             row[self.h] = value;
         }
@@ -55,23 +85,17 @@ impl Outputs<'_> {
 
     /// All outputs for given forces; they are linear in them.
     fn of(&self, change: &Change<'_>) -> Vec<Complex64> {
-        let loads = &self.run.loads;
-        let sum = |response: &dyn Fn(Load) -> Complex64| {
-            response(Load::Exciter) * change.exciter
-                + loads.iter().zip(change.forces).map(|(load, f)| response(*load) * f).sum::<Complex64>()
-        };
-        let own = |wanted: Load| {
-            loads.iter().zip(change.forces).find(|(l, _)| **l == wanted).map_or(Complex64::ZERO, |(_, f)| *f)
-        };
-        let sensors = self.setting.dynamics.sensors();
-        let moved = |output: usize| change.moved.get(output).copied().unwrap_or(Complex64::ZERO);
-        let slip = sum(&|load| self.line.slip(load)) + moved(sensors);
-        let end = sum(&|load| self.line.end(load)) + moved(sensors + 1);
-        let normal = own(Load::NormalDeviation) - end * self.setting.normal_stiffness;
-        let mut outputs = vec![own(Load::Friction), slip, normal, own(Load::SecondSupport)];
+        let mut outputs: Vec<Complex64> = self.exciter.iter().map(|o| o * change.exciter).collect();
+        for (column, force) in self.columns.iter().zip(change.forces) {
+            outputs.iter_mut().zip(column).for_each(|(output, o)| *output += o * force);
+        }
+        let (moved, contact) = change.moved.split_at(change.moved.len().saturating_sub(2));
+        if let [slip, end] = contact {
+            outputs[SLIP] += slip;
+            outputs[NORMAL] -= end * self.setting.normal_stiffness;
+        }
         let inertia = -self.line.omega().powi(2);
-        outputs
-            .extend((0..sensors).map(|s| sum(&|load| self.line.acceleration(s, load)) + moved(s) * inertia));
+        outputs[FIRST_SENSOR..].iter_mut().zip(moved).for_each(|(output, m)| *output += m * inertia);
         outputs
     }
 
@@ -79,13 +103,8 @@ impl Outputs<'_> {
     fn variances(&self) -> Vec<f64> {
         let unknowns = self.run.loads.len();
         let covariance = self.balance.covariance();
-        let unit = |u: usize| -> Vec<Complex64> {
-            (0..unknowns).map(|i| Complex64::from(f64::from(u8::from(i == u)))).collect()
-        };
-        let columns: Vec<Vec<Complex64>> = (0..unknowns)
-            .map(|u| self.of(&Change { exciter: Complex64::ZERO, forces: &unit(u), moved: &[] }))
-            .collect();
-        let mut variances: Vec<f64> = (0..columns[0].len())
+        let columns = &self.columns;
+        let mut variances: Vec<f64> = (0..self.exciter.len())
             .map(|o| {
                 (0..unknowns * unknowns)
                     .map(|e| {
@@ -111,17 +130,27 @@ impl Outputs<'_> {
         self.of(&Change { exciter: Complex64::ONE, forces: &forces, moved: &[] })
     }
 
-    /// Change of the outputs per unit of `ln ω_n` (`kind` 0) or `ln ζ_n` (1), the measurements being given.
-    fn parameter_gain(&self, mode: usize, kind: usize) -> Vec<Complex64> {
+    /// Changes of the outputs per unit of `ln ω_1, ln ζ_1, ln ω_2, …`, one after the other, the measurements being given.
+    fn parameter_gains(&self) -> Vec<Complex64> {
         let dynamics = self.setting.dynamics;
         let model = &self.setting.structure.model;
         let force = self.run.lines.force.coefficients[self.h];
-        let load = generalised_force(dynamics, mode, force, &self.run.loads, &self.balance.forces);
-        let scale = [model.natural_frequency()[mode], model.damping_ratio()[mode]][kind];
-        let motion = model.modal_receptance_gradient(mode, self.line.omega())[kind] * scale * load;
-        let [slip, end] = dynamics.contact_shape(mode);
-        let shapes = (0..dynamics.sensors()).map(|s| dynamics.sensor_shape(mode, s)).chain([slip, end]);
-        self.moved(&shapes.map(|shape| motion * shape).collect::<Vec<_>>())
+        let mut gains = Vec::with_capacity(2 * self.setting.structure.modes * self.exciter.len());
+        let mut shape = Vec::with_capacity(dynamics.sensors() + 2);
+        for mode in 0..self.setting.structure.modes {
+            let load = generalised_force(dynamics, mode, force, &self.run.loads, &self.balance.forces);
+            let scales = [model.natural_frequency()[mode], model.damping_ratio()[mode]];
+            shape.clear();
+            shape.extend(dynamics.sensor_shapes(mode).iter().map(|x| Complex64::from(*x)));
+            shape.extend(dynamics.contact_shape(mode).map(Complex64::from));
+            // Both parameters move the same shape.
+            let unit = self.moved(&shape);
+            for (gain, scale) in model.modal_receptance_gradient(mode, self.line.omega()).iter().zip(scales) {
+                let motion = gain * scale * load;
+                gains.extend(unit.iter().map(|u| u * motion));
+            }
+        }
+        gains
     }
 
     /// Change of the outputs per standard deviation of the flexibility that the beam theory does not hold for.

@@ -2,14 +2,15 @@
 
 use crate::contact::ContactHarmonics;
 use crate::{RunData, RunLines};
-use frettrace_fourier::{Grid, Harmonics, Sampler};
+use frettrace_fourier::{Grid, Harmonics, Sampler, variance};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 /// When samples are taken, and how well the base frequency is known.
 pub(crate) struct Times {
     rate: f64,
-    samples: usize,
+    /// Time of each sample (s).
+    samples: Vec<f64>,
     /// Standard deviation of the base frequency (rad/s); 0 where lines are bins of the record.
     frequency_std: f64,
     sampler: Sampler,
@@ -19,8 +20,16 @@ impl Times {
     /// Times of the record of some lines, for harmonics like the given ones.
     pub(crate) fn new(lines: &RunLines, frequency_std: f64, like: &Harmonics) -> Self {
         let record = (lines.sampling_rate, lines.samples);
-        let sampler = Sampler::new(like.base, like.order(), record);
-        Self { rate: record.0, samples: record.1, frequency_std, sampler }
+        let own = lines.sampler.as_ref();
+        let own = own.filter(|_| like.base == lines.force.base && like.order() == lines.force.order());
+        let sampler = own.cloned().unwrap_or_else(|| Sampler::new(like.base, like.order(), record));
+        let samples = (0..lines.samples).map(|j| j as f64 / lines.sampling_rate).collect();
+        Self { rate: lines.sampling_rate, samples, frequency_std, sampler }
+    }
+
+    /// Time of each sample (s).
+    pub(crate) fn into_samples(self) -> Vec<f64> {
+        self.samples
     }
 }
 
@@ -40,23 +49,28 @@ impl Channel {
     /// times. Errors that lines share, `g_p(t)`, add `Σ_p g_p(t)²`. An error of the base frequency turns the signal about the
     /// middle of the record: `δx(t) = δΩ/Ω · (t − T/2) ẋ(t)`.
     pub(crate) fn from_harmonics(harmonics: &Harmonics, shared: &[Vec<Complex64>], times: &Times) -> Self {
-        let Times { rate, samples, frequency_std, ref sampler } = *times;
+        let Times { rate, samples: ref times, frequency_std, ref sampler } = *times;
+        let samples = times.len();
         let values = sampler.sample(&harmonics.coefficients);
         let total = 0.5 * harmonics.variance.iter().sum::<f64>();
         // The lines of a record that has no period are its own bins.
         let own = (harmonics.base * samples as f64 - TAU * rate).abs() < 1e-9 * TAU * rate;
         let grid = own.then_some(samples);
         let (variance, breathing) = split(total, shared, grid);
-        let mut std = vec![variance; samples];
-        add_over_periods(&breathing, harmonics.base / (TAU * rate), &mut std);
         let turn = if harmonics.base > 0.0 { frequency_std / harmonics.base } else { 0.0 };
         let middle = 0.5 * (samples as f64 - 1.0) / rate;
         let derivative = harmonics.derivative();
         // At the ends of the record, where the turn matters most.
-        if (turn * middle * derivative.rms()).powi(2) > NEGLIGIBLE * total {
+        let turns = (turn * middle * derivative.rms()).powi(2) > NEGLIGIBLE * total;
+        if breathing.is_empty() && !turns {
+            return Self { values, std: vec![variance.sqrt(); samples] };
+        }
+        let mut std = vec![variance; samples];
+        add_over_periods(&breathing, harmonics.base / (TAU * rate), &mut std);
+        if turns {
             let slope = sampler.sample(&derivative.coefficients);
-            for (j, (variance, slope)) in std.iter_mut().zip(slope).enumerate() {
-                *variance += (turn * (j as f64 / rate - middle) * slope).powi(2);
+            for ((variance, slope), time) in std.iter_mut().zip(slope).zip(times) {
+                *variance += (turn * (time - middle) * slope).powi(2);
             }
         }
         std.iter_mut().for_each(|variance| *variance = variance.sqrt());
@@ -129,7 +143,7 @@ const NEGLIGIBLE: f64 = 1e-3;
 fn split(total: f64, shared: &[Vec<Complex64>], places: Option<usize>) -> (f64, Vec<f64>) {
     let power = |source: &[Complex64]| 0.5 * source.iter().map(Complex64::norm_sqr).sum::<f64>();
     let strong: Vec<&Vec<Complex64>> = shared.iter().filter(|s| power(s) > NEGLIGIBLE * total).collect();
-    let order = strong.first().map_or(0, |source| source.len() - 1);
+    let Some(order) = strong.first().map(|source| source.len() - 1) else { return (total, Vec::new()) };
     let samples = places.unwrap_or((8 * order).max(1).next_power_of_two());
     let Ok(grid) = Grid::new(order, samples) else { return (total, Vec::new()) };
     let mut scratch = grid.scratch();
@@ -150,9 +164,15 @@ fn add_over_periods(period: &[f64], advance: f64, to: &mut [f64]) {
         return;
     }
     let step = advance * count as f64;
+    // A division each sample would take longer than all else here.
+    let mut periods = 0;
     for (j, value) in to.iter_mut().enumerate() {
         let place = j as f64 * step;
-        let (first, share) = (place as usize % count, place.fract());
+        let whole = place as usize;
+        if whole - periods >= count {
+            periods = whole - whole % count;
+        }
+        let (first, share) = (whole - periods, place - whole as f64);
         let next = if first + 1 == count { 0 } else { first + 1 };
         *value += period[first] * (1.0 - share) + period[next] * share;
     }
@@ -169,11 +189,4 @@ pub(crate) fn errors(run: &RunData<'_>, fit: &[Channel], noise_std: &[f64]) -> (
     }
     let scale = power.max(f64::MIN_POSITIVE);
     ((left / scale).sqrt(), (noise / scale).sqrt())
-}
-
-/// Mean square about the mean.
-fn variance(x: &[f64]) -> f64 {
-    let n = x.len().max(1) as f64;
-    let mean = x.iter().sum::<f64>() / n;
-    x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n
 }

@@ -22,7 +22,7 @@ pub(super) fn solve(
         let periodic = setting.balance(&equations.with_loads(loads.to_vec()));
         let known = Known::solved(lines, &periodic.contact);
         let left = known.taken_off(run, &lines.noise_std);
-        aperiodic::solve(setting, &left, (&known, equations.share), loads)
+        aperiodic::solve(setting, &left, (&known, equations.share()), loads)
     };
     let bound = balance(&equations.loads);
     let more = with_normal_reaction(rig, &equations.loads).filter(|_| asks(bound.residual.reduced()));
@@ -58,7 +58,7 @@ pub(super) fn beside_lines(setting: &Setting<'_>, equations: &Equations<'_>) -> 
     let Some(rest) = equations.lines.rest.as_ref() else { return Beside::Nothing };
     if rest.accelerations.len() > equations.loads.len() {
         let known = Known::default();
-        let found = aperiodic::solve(setting, rest, (&known, equations.share), &equations.loads);
+        let found = aperiodic::solve(setting, rest, (&known, equations.share()), &equations.loads);
         let sampled = |a: &Harmonics| a.sample(rest.rate, rest.force.len());
         let fitted: Vec<Vec<f64>> = found.contact.acceleration_fit.iter().map(sampled).collect();
         if bands::is_explained(&rest.excesses(&[]), &rest.excesses(&fitted)) {
