@@ -33,10 +33,12 @@ pub(crate) struct BalanceCandidate {
 }
 
 impl BalanceCandidate {
-    /// What forms have in common that only the whole model tells apart: the effect, and whether it moves one mode or all of them.
-    pub fn kind(&self) -> (usize, bool) {
+    /// What forms have in common that only the whole model tells apart: the effect, whether it moves one mode or all of them, and
+    /// whether a drift settles.
+    pub fn kind(&self) -> (usize, [bool; 2]) {
         let all = |u: &Unknown| matches!(u.quantity, Quantity::FrequencyScale | Quantity::DampingScale);
-        (self.effect, self.unknowns.iter().any(all))
+        let settles = |u: &Unknown| u.quantity == Quantity::DriftRate;
+        (self.effect, [self.unknowns.iter().any(all), self.unknowns.iter().any(settles)])
     }
 }
 
