@@ -12,7 +12,7 @@ mod sizes;
 use crate::effects::FREE;
 use crate::series_fit::SeriesContact;
 use frettrace_forward::accelerations::{
-    AccelerationError, AccelerationModel, Balance, FrequencyRatio, Quantity,
+    AccelerationError, AccelerationModel, Balance, Beside, FrequencyRatio, Quantity,
 };
 use frettrace_fourier::{Grid, GridError};
 use frettrace_friction::effects::{Hook, ModifiedLaw, ModifiedState};
@@ -495,10 +495,10 @@ impl Model for ContactProblem<'_> {
 pub(crate) fn recover(
     model: &AccelerationModel,
     setting: &frettrace_forward::accelerations::Setting,
-    selected: &[(usize, usize)],
+    (selected, beside): (&[(usize, usize)], Beside),
 ) -> Result<Vec<Recovered>, AccelerationError> {
     let runs: Vec<usize> = selected.iter().map(|s| s.0).collect();
-    let balances = model.balance(setting, &runs)?;
+    let balances = model.balance_beside(setting, &runs, beside)?;
     selected
         .iter()
         .zip(&balances)

@@ -6,7 +6,9 @@ use crate::effects::{ALL, ContactForm, Effect};
 use crate::law_starts::{scattered, starts};
 use crate::study::{as_declared, merge};
 use crate::{ExplainError, Unknown};
-use frettrace_forward::accelerations::{AccelerationError, FrequencyRatio, Memory, Quantity, Setting};
+use frettrace_forward::accelerations::{
+    AccelerationError, Beside, FrequencyRatio, Memory, Quantity, Setting,
+};
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 use frettrace_identify::{Model, Parameter, Status};
 use rayon::prelude::*;
@@ -96,14 +98,28 @@ pub(crate) fn few_of_each(order: &mut Vec<(f64, usize)>, most: usize, effect: im
 impl Study<'_> {
     /// Recovered contacts of the training runs, and of those that are not periodic.
     pub(crate) fn recovered(&self, setting: &Setting) -> Result<Contacts, ExplainError> {
-        let periodic = self.recovered_runs(setting, &self.training)?;
+        self.recovered_beside(setting, Beside::Nothing)
+    }
+
+    /// The same with something free beside the contact force.
+    pub(crate) fn recovered_beside(
+        &self,
+        setting: &Setting,
+        beside: Beside,
+    ) -> Result<Contacts, ExplainError> {
+        let periodic = self.recovered_runs(setting, &self.training, beside)?;
         let series = self.series.iter().filter(|_| as_declared(setting)).map(|(_, contact)| contact.clone());
-        let leeway = self.leeway(setting, &periodic)?.map(Arc::new);
+        let leeway = self.leeway(setting, &periodic, beside)?.map(Arc::new);
         Ok(Contacts { periodic, series: series.collect(), leeway })
     }
 
     /// What values that are declared of the structure, to their deviations, leave open in the recovered contacts of the training runs.
-    fn leeway(&self, setting: &Setting, plain: &[Recovered]) -> Result<Option<Leeway>, AccelerationError> {
+    fn leeway(
+        &self,
+        setting: &Setting,
+        plain: &[Recovered],
+        beside: Beside,
+    ) -> Result<Option<Leeway>, AccelerationError> {
         let declared = self.case.unknowns();
         let moved: Result<Vec<Moved>, AccelerationError> = declared
             .par_iter()
@@ -112,17 +128,22 @@ impl Study<'_> {
                 let value = setting.get(quantity)?;
                 let mut other = setting.clone();
                 other.set(quantity, value + std);
-                let contacts = self.recovered_runs(&other, &self.training);
+                let contacts = self.recovered_runs(&other, &self.training, beside);
                 Some(contacts.map(|contacts| Moved { quantity, value, std, contacts }))
             })
             .collect();
         Ok(Leeway::new(plain.to_vec(), moved?, (&setting.law, setting.modulation)))
     }
 
-    fn recovered_runs(&self, setting: &Setting, runs: &[usize]) -> Result<Vec<Recovered>, AccelerationError> {
+    fn recovered_runs(
+        &self,
+        setting: &Setting,
+        runs: &[usize],
+        beside: Beside,
+    ) -> Result<Vec<Recovered>, AccelerationError> {
         let selected: Vec<(usize, usize)> =
             runs.iter().map(|&run| (run, self.case.records[run].subharmonic)).collect();
-        recover(&self.model, setting, &selected)
+        recover(&self.model, setting, (&selected, beside))
     }
 
     /// Where the balance of the runs begins with the law of a setting: where friction depends on the contact's place, at the place
@@ -132,7 +153,7 @@ impl Study<'_> {
             return;
         }
         let new: Vec<usize> = runs.iter().copied().filter(|&run| !memory.knows(run)).collect();
-        let Ok(recovered) = self.recovered_runs(setting, &new) else { return };
+        let Ok(recovered) = self.recovered_runs(setting, &new, Beside::Nothing) else { return };
         let law = (setting.law, setting.modulation);
         let means: Vec<Option<f64>> = recovered.par_iter().map(|contact| mean_force(contact, law)).collect();
         for (&run, mean) in new.iter().zip(means) {

@@ -448,7 +448,10 @@ fn model_lines(case: &Case, record: &RunRecord) -> RunLines {
 /// Whether nothing but the law differs from what is declared.
 pub(crate) fn as_declared(setting: &Setting) -> bool {
     let scales = [setting.frequency_scale, setting.damping_scale];
-    let changed = [setting.clamp_compliance, setting.drift].iter().chain(&scales).any(|value| *value != 0.0);
+    let changed = [setting.clamp_compliance, setting.drift, setting.shift]
+        .iter()
+        .chain(&scales)
+        .any(|value| *value != 0.0);
     let sound = setting.sensors.iter().all(|sensor| *sensor == SensorSetting::default());
     setting.ports.is_empty() && setting.mass.is_none() && setting.base.is_none() && sound && !changed
 }

@@ -148,6 +148,7 @@ fn derivatives_agree(model: &AccelerationModel, setting: &Setting) {
         (Quantity::Delay(1), 1e-4),
         (Quantity::Lag(1), 1e-4),
         (Quantity::Shift(1), 1e-1),
+        (Quantity::CommonShift, 1e-1),
         (Quantity::Offset(1), 1.0),
     ];
     let asked: Vec<Quantity> = quantities.iter().map(|(quantity, _)| *quantity).collect();
@@ -269,6 +270,7 @@ fn gradients_of_the_balance_are_differences() {
         (Quantity::Delay(1), 1e-4),
         (Quantity::Lag(1), 1e-4),
         (Quantity::Shift(1), 1e-1),
+        (Quantity::CommonShift, 1e-1),
         (Quantity::Offset(1), 1.0),
     ];
     let asked: Vec<Quantity> = quantities.iter().map(|(quantity, _)| *quantity).collect();

@@ -1,6 +1,6 @@
 //! `measurement.position`.
 //!
-//! *Adds*: a sensor that sits elsewhere than declared.
+//! *Adds*: a sensor that sits elsewhere than declared, or all of them by one distance.
 //!
 //! *Shows as*: one sensor off with the slope of each deflection shape.
 //!
@@ -34,16 +34,13 @@ impl Effect for MeasurementPosition {
     }
 
     fn structure_forms(&self, _case: &Case, setting: &Setting, scales: &Scales) -> Vec<StructureForm> {
-        (0..setting.sensors.len())
-            .map(|sensor| {
-                let unknown = signed(
-                    Quantity::Shift(sensor),
-                    ("shift", "m"),
-                    1e-3 * scales.length,
-                    (-0.2 * scales.length, 0.2 * scales.length),
-                );
-                StructureForm { setting: setting.clone(), unknowns: vec![unknown], sensor: Some(sensor) }
-            })
-            .collect()
+        let form = |quantity: Quantity, sensor: Option<usize>| {
+            let farthest = 0.2 * scales.length;
+            let unknown = signed(quantity, ("shift", "m"), 1e-3 * scales.length, (-farthest, farthest));
+            StructureForm { setting: setting.clone(), unknowns: vec![unknown], sensor }
+        };
+        let own = (0..setting.sensors.len()).map(|sensor| form(Quantity::Shift(sensor), Some(sensor)));
+        // The rule laid at another end.
+        own.chain([form(Quantity::CommonShift, None)]).collect()
     }
 }

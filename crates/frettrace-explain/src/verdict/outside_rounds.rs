@@ -3,11 +3,12 @@
 use super::outcome::helps;
 use super::{BALANCE_CALIBRATED, BALANCE_CLOSED, EVIDENCE, PROXY, Rival, Search, Tried};
 use crate::balance_fit::BalanceCandidate;
+use crate::contact_search::ContactCandidate;
 use crate::effects::ALL;
 use crate::search::Explained;
 use crate::study::merge;
 use crate::{ExplainError, Unknown};
-use frettrace_forward::accelerations::{Quantity, Setting};
+use frettrace_forward::accelerations::{Beside, PortPlace, Quantity, Setting};
 use rayon::prelude::*;
 
 /// Share of a mode's range from its end within which it parks there, …
@@ -182,10 +183,20 @@ impl Search<'_> {
         // Laws of a further force are judged on what was recovered of it, where a weak force agrees with any: what closes the balance by a
         // value or two is asked however many of them stand before it.
         let worthy = |place: usize, c: &BalanceCandidate| place < REFITTED || c.reduced < BALANCE_CLOSED;
-        let found = candidates
+        // A place is an effect's, whatever the number of its forms.
+        let mut effects = Vec::new();
+        let placed: Vec<(usize, &BalanceCandidate)> = candidates
+            .iter()
+            .map(|candidate| {
+                if !effects.contains(&candidate.effect) {
+                    effects.push(candidate.effect);
+                }
+                (effects.len() - 1, candidate)
+            })
+            .collect();
+        let found = placed
             .par_iter()
-            .take(MOST_REFITTED)
-            .enumerate()
+            .filter(|(place, _)| *place < MOST_REFITTED)
             .filter(|(place, c)| worthy(*place, c) && c.criterion < 3.0 * best && c.reduced < limit)
             .filter_map(|(_, candidate)| self.with_structure(current, candidate).ok())
             .collect();
@@ -205,8 +216,15 @@ impl Search<'_> {
         let unknowns = merge(&declared, &added);
         let (law, _) = Unknown::parted(&unknowns);
         let mut setting = candidate.setting.clone();
-        let recovered = self.study.recovered(&setting)?;
-        if let Some(base) = self.study.contact_base(&recovered, &setting, &law) {
+        let mut base = self.study.contact_base(&self.study.recovered(&setting)?, &setting, &law);
+        // A force on the beam whose law is only near the right one bends the contact that is recovered beside it: its lines are freed.
+        let acts = setting.ports.last().is_some_and(|port| matches!(port.place, PortPlace::At(_)));
+        if acts && !base.as_ref().is_some_and(ContactCandidate::meets) {
+            let free = self.study.recovered_beside(&setting, Beside::Ports)?;
+            let other = self.study.contact_base(&free, &setting, &law);
+            base = base.into_iter().chain(other).min_by(|a, b| a.reduced.total_cmp(&b.reduced));
+        }
+        if let Some(base) = base {
             setting = base.placed_in(&setting);
         }
         let mut effects = current.effects.clone();

@@ -269,7 +269,10 @@ impl AccelerationModel {
         let distance = match quantity {
             Quantity::ModeFrequency(n) if !structure.plain() => 1e-6 * setting.frequency[n],
             Quantity::ModeDamping(n) if !structure.plain() => 1e-4 * setting.damping[n],
-            Quantity::PortPosition(_) | Quantity::MassPosition | Quantity::Shift(_) => 1e-7 * length,
+            Quantity::PortPosition(_)
+            | Quantity::MassPosition
+            | Quantity::Shift(_)
+            | Quantity::CommonShift => 1e-7 * length,
             Quantity::ClampCompliance => 1e-6,
             Quantity::AddedMass => 1e-6 * self.rig.beam.mass_per_length * length,
             Quantity::Drift | Quantity::FrequencyScale => 1e-7,

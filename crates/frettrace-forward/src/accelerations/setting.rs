@@ -129,6 +129,8 @@ pub enum Quantity {
     Lag(usize),
     /// Distance of a sensor from its declared position (m).
     Shift(usize),
+    /// Distance of all sensors from their declared positions (m).
+    CommonShift,
     /// Offset of a sensor (m/s²).
     Offset(usize),
 }
@@ -174,6 +176,8 @@ pub struct Setting {
     pub base_motion: Option<Arc<Vec<Vec<Complex64>>>>,
     /// Sensors.
     pub sensors: Vec<SensorSetting>,
+    /// Distance of all sensors from their declared positions (m), beside their own.
+    pub shift: f64,
 }
 
 /// Share of a drift that has come by `progress` between the first run (0) and the last (1), see [`Setting::drift_course`].
@@ -205,6 +209,7 @@ impl Setting {
             clamp_compliance: 0.0,
             drift: 0.0,
             drift_course: [0.0; 2],
+            shift: 0.0,
             contact_compliance: 0.0,
             base: None,
             base_line: None,
@@ -245,6 +250,7 @@ impl Setting {
             Quantity::AddedMass => self.mass.map(|m| m[0]),
             Quantity::MassPosition => self.mass.map(|m| m[1]),
             Quantity::ClampCompliance => Some(self.clamp_compliance),
+            Quantity::CommonShift => Some(self.shift),
             Quantity::Drift => Some(self.drift),
             Quantity::DriftRate => Some(self.drift_course[0]),
             Quantity::DriftSlowing => Some(self.drift_course[1]),
@@ -276,6 +282,7 @@ impl Setting {
             Quantity::Port(p, _) | Quantity::PortPosition(p) => self.ports.truncate(p),
             Quantity::AddedMass | Quantity::MassPosition => self.mass = None,
             Quantity::ClampCompliance => self.clamp_compliance = 0.0,
+            Quantity::CommonShift => self.shift = 0.0,
             Quantity::Drift => self.drift = 0.0,
             Quantity::DriftRate => self.drift_course[0] = 0.0,
             Quantity::DriftSlowing => self.drift_course[1] = 0.0,
@@ -310,6 +317,7 @@ impl Setting {
             Quantity::AddedMass => self.mass.as_mut().map(|m| &mut m[0]),
             Quantity::MassPosition => self.mass.as_mut().map(|m| &mut m[1]),
             Quantity::ClampCompliance => Some(&mut self.clamp_compliance),
+            Quantity::CommonShift => Some(&mut self.shift),
             Quantity::Drift => Some(&mut self.drift),
             Quantity::DriftRate => Some(&mut self.drift_course[0]),
             Quantity::DriftSlowing => Some(&mut self.drift_course[1]),

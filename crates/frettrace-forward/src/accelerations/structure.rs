@@ -289,6 +289,7 @@ impl Structure {
                 | Quantity::MassPosition
                 | Quantity::ClampCompliance
                 | Quantity::Shift(_)
+                | Quantity::CommonShift
         )
     }
 }
@@ -316,7 +317,9 @@ fn functionals(rig: &Rig, setting: &Setting) -> (Vec<Dof>, Vec<Option<usize>>) {
     let length = rig.beam.length;
     let contact = if rig.lever.is_some() { Dof::rotation(length) } else { Dof::displacement(length) };
     let mut dofs = vec![Dof::displacement(rig.exciter), contact, Dof::displacement(length)];
-    dofs.extend(rig.sensors.iter().zip(&setting.sensors).map(|(x, s)| Dof::displacement(x + s.shift)));
+    dofs.extend(
+        rig.sensors.iter().zip(&setting.sensors).map(|(x, s)| Dof::displacement(x + s.shift + setting.shift)),
+    );
     let mut modal = vec![None; dofs.len()];
     for port in &setting.ports {
         let (dof, mode) = match port.place {
