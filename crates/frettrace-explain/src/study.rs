@@ -33,6 +33,14 @@ pub enum ExplainError {
         /// All runs.
         runs: usize,
     },
+    /// No run is periodic, and the contact of none could be recovered.
+    #[error(
+        "none of {runs} runs is periodic, and the contact of none could be recovered; record steady vibration with three sensors or more"
+    )]
+    NothingRecovered {
+        /// All runs.
+        runs: usize,
+    },
 }
 
 /// Periods of the excitation for which a law with partial slip, whose steps are many times as dear as others, is marched
