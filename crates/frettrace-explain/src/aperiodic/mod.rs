@@ -62,6 +62,8 @@ pub struct WholeOutcome {
 
 /// Relative error of a recovered force from which the law is in doubt: five times the accuracy with which it is recovered.
 const IN_DOUBT: f64 = 0.05;
+/// Relative error from which a law takes less than half of the power of the recovered forces: what those hold is not the contact's.
+const DROWNED: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Samples of a record that the first values of the law are read from.
 const HISTORY: usize = 1024;
 
@@ -93,6 +95,9 @@ pub fn explain_whole(
     search.settle_on(&first);
     let baseline = search.further(&first).ok_or_else(unknown)?;
     let model = search.extended(&baseline);
+    if [&baseline, &model].iter().all(|fitted| of_training(&search, fitted).relative() > DROWNED) {
+        return Err(ExplainError::ContactDrowned { runs: case.records.len() });
+    }
     Ok(outcome(search, (baseline, model)))
 }
 

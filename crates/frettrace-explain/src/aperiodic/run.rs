@@ -249,16 +249,20 @@ impl OpenRun {
     /// the first values of a law are read from.
     pub fn quiet(&self) -> Motion {
         let motion = self.moved(&self.least_drift());
-        let samples = motion.force.len();
-        let kept = samples - Series::settling(samples);
-        let periods = 2.0 * self.slow.max(1) as f64 * samples as f64 / kept as f64;
-        let window = (2.0 * samples as f64 / periods).round() as usize;
         Motion {
-            force: faster(&motion.force, window),
-            slip: faster(&motion.slip, window),
-            velocity: faster(&motion.velocity, window),
+            force: self.faster(&motion.force),
+            slip: self.faster(&motion.slip),
+            velocity: self.faster(&motion.velocity),
             normal: motion.normal,
         }
+    }
+
+    /// A signal of the run without what is slower than two periods of the excitation.
+    pub fn faster(&self, signal: &[f64]) -> Vec<f64> {
+        let samples = signal.len();
+        let kept = samples - Series::settling(samples);
+        let periods = 2.0 * self.slow.max(1) as f64 * samples as f64 / kept as f64;
+        faster(signal, (2.0 * samples as f64 / periods).round() as usize)
     }
 
     /// Force (N) of a law along a motion, from rest. A rigid contact takes the recovered force where it holds.

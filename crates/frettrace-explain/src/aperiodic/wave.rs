@@ -25,9 +25,13 @@ const APART: f64 = 2.0;
 fn product(run: &OpenRun, law: &ModifiedLaw<f64>, xi: &DVector<f64>) -> (Vec<f64>, f64) {
     let (motion, answered) = run.answered(law, xi);
     let first = Series::settling(answered.len());
+    let left: Vec<f64> =
+        motion.force.iter().zip(&answered).map(|(force, answered)| force - answered).collect();
+    // A drift that the run leaves open is no part of it.
+    let left = run.faster(&left);
     let mut product = vec![0.0; answered.len()];
     for k in first..answered.len() {
-        product[k] = (motion.force[k] - answered[k]) * answered[k];
+        product[k] = left[k] * answered[k];
     }
     let square = answered[first..].iter().map(|f| f * f).sum::<f64>();
     (product, square.max(f64::MIN_POSITIVE))

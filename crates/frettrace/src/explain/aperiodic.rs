@@ -115,7 +115,9 @@ fn excess(run: &RunReconstruction) -> Vec<f64> {
     let balance = &run.balance;
     let bins = balance.chi_square.len();
     let near = |k: usize| {
-        let range = k.saturating_sub(NEAR)..(k + NEAR + 1).min(bins);
+        // Towards zero frequency noise rises from bin to bin.
+        let half = NEAR.min(k.div_ceil(2));
+        let range = k - half..(k + half + 1).min(bins);
         let freedom: usize = balance.freedom[range.clone()].iter().sum();
         let chi: f64 = balance.chi_square[range].iter().sum();
         (chi / freedom.max(1) as f64).max(1.0).sqrt()
