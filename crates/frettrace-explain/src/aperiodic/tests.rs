@@ -98,14 +98,14 @@ fn recovered(force: Vec<f64>) -> OpenRun {
     OpenRun::new(0, (Arc::new(whole), gain), (circumstance, false, TAU * TONES[0])).unwrap()
 }
 
-/// A law that is right leaves less than the accuracy of a force (χ² of 1) once the drift it was marched with is found, and finds that to a
-/// sixth; without it, χ² is above 20.
+/// A law that is right leaves less than the accuracy of a force (χ² of 1) once the drift it was marched with is found, and finds that to an
+/// eighth; without it, it misses more than twice that accuracy (χ² of 5).
 #[test]
 fn a_drift_that_no_sensor_sees_is_found_by_the_law() {
     let law = dahl();
-    let run = recovered(force(&law, 0.3, Wave::default())).refined(2);
+    let run = recovered(force(&law, 0.8, Wave::default())).refined(2);
     let blind = run.left(&law, &DVector::zeros(2)).norm_squared() / run.count() as f64;
-    assert!(blind > 20.0, "{blind}");
+    assert!(blind > 5.0, "{blind}");
     let mut open = run.begin(&law).unwrap();
     for _ in 0..8 {
         run.settle(&law, &mut open);
@@ -113,7 +113,7 @@ fn a_drift_that_no_sensor_sees_is_found_by_the_law() {
     }
     let (left, _) = run.settle(&law, &mut open);
     assert!(left.norm_squared() < run.count() as f64, "{}", left.norm_squared() / run.count() as f64);
-    assert!((open.xi[0] - 0.3).abs() < 0.05, "{}", open.xi);
+    assert!((open.xi[0] - 0.8).abs() < 0.1, "{}", open.xi);
 }
 
 /// Turned errors span what the plain ones do: the cost at its minimum is the same.
