@@ -1,5 +1,6 @@
 //! Candidate effects and the evidence for them: what the model lacks; file-unaware.
 
+pub mod aperiodic;
 mod balance_fit;
 mod case;
 mod channels;

@@ -110,8 +110,7 @@ impl Series {
     /// Force (N) that a rigid contact takes as long as it holds: `F + R v`, with the resistance `R` that makes errors of force and
     /// velocity count by the same share of what they are errors of.
     fn trial(&self) -> Vec<f64> {
-        let size = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
-        let resistance = (size(&self.force) / size(&self.velocity).max(f64::MIN_POSITIVE)).sqrt();
+        let resistance = resistance(&self.force, &self.velocity);
         self.force.iter().zip(&self.velocity).map(|(force, v)| force + resistance * v).collect()
     }
 
@@ -132,6 +131,12 @@ impl Series {
         let share = samples as f64 / record.max(1) as f64;
         self.deviation.get(of_record).map_or(f64::INFINITY, |d| d / share.sqrt())
     }
+}
+
+/// Resistance (N·s/m) that makes errors of force and velocity count by the same share of what they are errors of.
+pub(crate) fn resistance(force: &[f64], velocity: &[f64]) -> f64 {
+    let size = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
+    (size(force) / size(velocity).max(f64::MIN_POSITIVE)).sqrt()
 }
 
 /// Half periods in a record of the fastest motion that counts as slow: recovered accelerations are integrated twice, and what they leave of

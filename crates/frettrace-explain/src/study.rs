@@ -34,6 +34,22 @@ pub enum ExplainError {
         /// All runs.
         runs: usize,
     },
+    /// No run is periodic, and what was recovered of the contact is noise for the most part.
+    #[error(
+        "none of {runs} runs is periodic, and less than half of the force recovered of the contact follows its motion: noise drowns it; record steady vibration, or with quieter accelerometers"
+    )]
+    ContactDrowned {
+        /// All runs.
+        runs: usize,
+    },
+    /// No run is periodic, and the contact of none could be recovered.
+    #[error(
+        "none of {runs} runs is periodic, and the contact of none could be recovered; record steady vibration with three sensors or more"
+    )]
+    NothingRecovered {
+        /// All runs.
+        runs: usize,
+    },
 }
 
 /// Periods of the excitation for which a law with partial slip, whose steps are many times as dear as others, is marched

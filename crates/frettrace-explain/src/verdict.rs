@@ -64,7 +64,7 @@ pub(crate) const BALANCE_CLOSED: f64 = 1.6;
 /// … wide open above this, where a law would only be bent to what is missing, …
 const BALANCE_WIDE: f64 = 100.0;
 /// … and closed below this in each of them.
-const BALANCE_CLOSED_RUN: f64 = 2.6;
+pub(crate) const BALANCE_CLOSED_RUN: f64 = 2.6;
 
 /// Growth of the worst error that a lift-off seen in runs without a period may bring to the others.
 const LIFTED: f64 = 1.02;

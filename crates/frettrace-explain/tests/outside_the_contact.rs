@@ -64,6 +64,7 @@ fn rig() -> SimulatedRig {
 fn measured(rig: &SimulatedRig, amplitudes: &[f64]) -> Vec<SimulatedRecord> {
     let run = |force_amplitude| SimulatedRun {
         force_amplitude,
+        beat: None,
         omega: TAU * FREQUENCY,
         preload: 70.0,
         modulation: None,
@@ -287,6 +288,7 @@ fn a_drift_may_settle() {
         let course = (-4.0 * progress).exp_m1() / (-4.0_f64).exp_m1();
         let one = SimulatedRun {
             force_amplitude,
+            beat: None,
             omega: TAU * FREQUENCY,
             preload: 70.0,
             modulation: None,

@@ -15,11 +15,16 @@ const MODES: usize = 40;
 
 /// Gives the runs of a case that are not periodic what the inverse recovers of them over the whole spectrum.
 ///
+/// All runs as the inverse has them; none where all are periodic.
+///
 /// # Errors
 /// [`StudyError`] where the inverse cannot use the rig.
-pub fn recover_aperiodic(case: &mut Case, measurement: &Measurement) -> Result<(), StudyError> {
+pub fn recover_aperiodic(
+    case: &mut Case,
+    measurement: &Measurement,
+) -> Result<Vec<RunReconstruction>, StudyError> {
     if case.records.iter().all(|record| record.periodic) {
-        return Ok(());
+        return Ok(Vec::new());
     }
     let sound = without_sensors(measurement, &broken_off(case));
     let runs = |form: FormChoice| {
@@ -41,7 +46,7 @@ pub fn recover_aperiodic(case: &mut Case, measurement: &Measurement) -> Result<(
             record.series = series(run);
         }
     }
-    Ok(())
+    Ok(found)
 }
 
 /// Fewest sensors from which a contact is recovered.
@@ -107,23 +112,25 @@ fn open_share(run: &RunReconstruction) -> f64 {
     if open >= OPEN { open } else { 0.0 }
 }
 
+/// The samples of all runs.
+pub(crate) fn samples(measurement: &Measurement) -> Vec<RunSamples<'_>> {
+    let runs = measurement.runs.iter().map(|run| RunSamples {
+        sampling_rate: run.sampling_rate,
+        excitation_frequency: run.excitation_frequency,
+        preload: run.preload,
+        force: &run.force,
+        acceleration: &run.acceleration,
+    });
+    runs.collect()
+}
+
 /// The case a measurement file declares.
 ///
 /// # Errors
 /// [`StudyError::Run`] where the lines of a run cannot be found.
 pub fn case(measurement: &Measurement) -> Result<Case, StudyError> {
     let noise = measurement.sensors.noise_std.as_deref();
-    let samples: Vec<RunSamples<'_>> = measurement
-        .runs
-        .iter()
-        .map(|run| RunSamples {
-            sampling_rate: run.sampling_rate,
-            excitation_frequency: run.excitation_frequency,
-            preload: run.preload,
-            force: &run.force,
-            acceleration: &run.acceleration,
-        })
-        .collect();
+    let samples = samples(measurement);
     let (records, faults) = frettrace_explain::records(&samples, noise)
         .map_err(|(k, source)| StudyError::Run { run: measurement.runs[k].id.clone(), source })?;
     let law = Family::named(&measurement.support.law).unwrap_or(Family::Dahl);

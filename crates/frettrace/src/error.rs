@@ -38,6 +38,9 @@ pub enum StudyError {
     /// Controls of a contact record.
     #[error("controls draw beams anew, and a contact record has none; leave --controls out")]
     ControlsOfRecord,
+    /// Controls of a file without a periodic run.
+    #[error("controls draw periodic runs anew, and the file has none; leave --controls out")]
+    ControlsWithoutPeriod,
     /// A contact record without a motion.
     #[error("no run of the contact record holds {least} samples of a motion; record at least one stroke")]
     NoStroke {

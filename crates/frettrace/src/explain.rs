@@ -1,5 +1,6 @@
 //! What the declared model lacks: the wiring of an explanation.
 
+mod aperiodic;
 mod contact_record;
 
 use crate::results::{
@@ -40,8 +41,11 @@ pub fn explain(
     progress.start(if options.controls > 0 { 3 } else { 2 }, "lines");
     let mut case = case::case(measurement)?;
     case.without.clone_from(&options.without);
-    case::recover_aperiodic(&mut case, measurement)?;
+    let recovered = case::recover_aperiodic(&mut case, measurement)?;
     progress.step();
+    if case.records.iter().all(|record| !record.periodic) {
+        return aperiodic::explain(measurement, options, (&case, &recovered), progress);
+    }
     let outcome = frettrace_explain::explain(&case)?;
     let shown = frettrace_explain::exhibits(&case, &outcome)?;
     progress.step();

@@ -12,7 +12,7 @@
 //! | `[exciter]` | `position_m` |
 //! | `[sensors]` | `position_m` (list), `noise_std_m_per_s2` (0), `noise_correlation` (0 = white) |
 //! | `[sampling]` | `rate_hz`, `samples`, `march_rate_hz` (least steps of the march a second; as many as the sensors' noise asks for) |
-//! | `[[run]]` | `frequency_hz`, `preload_n`, `force_amplitude_n` (list: one run each), `lubricated` |
+//! | `[[run]]` | `frequency_hz`, `preload_n`, `force_amplitude_n` (list: one run each), `beat_share`, `beat_frequency_ratio`, `lubricated` |
 //! | `[[effect]]` | `id` and the keys of [`Effect`]: what the file does not declare |
 //!
 //! Most effects have a second formula, `friction.stribeck/rational`: another laboratory's. It goes by the same name in results.
@@ -24,6 +24,7 @@ mod effect;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use frettrace_forward::simulate::Beat;
 use frettrace_friction::{FrictionModel, Law, Parameter};
 use serde::Deserialize;
 
@@ -241,6 +242,20 @@ pub struct RigRuns {
     pub force_amplitude_n: Vec<f64>,
     /// Whether the contact is lubricated: written to the file, changes nothing by itself.
     pub lubricated: Option<bool>,
+    /// Beat of the force, as a share of its amplitude; 0 is none.
+    #[serde(default)]
+    pub beat_share: f64,
+    /// Frequency of the beat over the excitation's.
+    #[serde(default)]
+    pub beat_frequency_ratio: f64,
+}
+
+impl RigRuns {
+    /// The beat of the force, where there is one.
+    pub(crate) fn beat(&self) -> Option<Beat> {
+        let beat = Beat { share: self.beat_share, frequency_ratio: self.beat_frequency_ratio };
+        (beat.share != 0.0).then_some(beat)
+    }
 }
 
 /// The declared law with its parameters, all given, all in range.

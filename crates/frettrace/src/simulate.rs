@@ -257,6 +257,7 @@ fn simulated_runs(rig: &Rig) -> Vec<(&RigRuns, SimulatedRun)> {
         let omega = TAU * runs.frequency_hz;
         let mut run = SimulatedRun {
             force_amplitude,
+            beat: runs.beat(),
             omega,
             preload: runs.preload_n,
             modulation: None,

@@ -207,6 +207,8 @@ fn runs(random: &mut impl Rng, choice: &Choice, [frequency, preload, friction]: 
         preload_n,
         force_amplitude_n: forces(index),
         lubricated: None,
+        beat_share: 0.0,
+        beat_frequency_ratio: 0.0,
     };
     tables.iter().enumerate().map(table).collect()
 }

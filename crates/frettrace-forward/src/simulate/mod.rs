@@ -16,7 +16,7 @@ pub use fineness::Marching;
 pub use foreign::{Bristle, ForeignLaw, Form};
 pub use record::{SimulatedRecord, simulate};
 pub use rig::{
-    Attached, BaseMotion, CrossTalk, NormalContact, Sampling, SecondForce, SimulatedLaw, SimulatedRig,
+    Attached, BaseMotion, Beat, CrossTalk, NormalContact, Sampling, SecondForce, SimulatedLaw, SimulatedRig,
     SimulatedRun, SimulatedSensor, Slip, Steps,
 };
 

@@ -215,7 +215,8 @@ impl Job<'_> {
     /// `phase` is the excitation's at time nought; all that is driven keeps its phase to it.
     pub(super) fn known(&self, phase: f64, time: f64, loads: &mut [f64]) -> f64 {
         let angle = self.run.omega * time + phase;
-        loads[0] = self.run.force_amplitude * angle.sin();
+        let beat = self.run.beat.map_or(0.0, |beat| beat.share * (beat.frequency_ratio * angle).sin());
+        loads[0] = self.run.force_amplitude * (1.0 + beat) * angle.sin();
         loads[1] = loads[0];
         if let Some(force) = self.rig.second_force {
             loads[2] = force.amplitude * (force.frequency_ratio * angle + force.phase).cos();

@@ -158,11 +158,23 @@ pub enum Steps {
     Within(f64),
 }
 
-/// One run: a sinusoidal force.
+/// A beat of the excitation: `F(t) = A (1 + share · sin(ratio·ψ)) sin ψ` with `ψ = Ωt`. With a ratio that is no fraction of small numbers nothing
+/// repeats, although force and motion are steady.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beat {
+    /// Share of the amplitude `A`.
+    pub share: f64,
+    /// Frequency of the beat over the excitation's.
+    pub frequency_ratio: f64,
+}
+
+/// One run: a sinusoidal force, or one that beats.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimulatedRun {
     /// Amplitude of the force (N).
     pub force_amplitude: f64,
+    /// Beat of the force.
+    pub beat: Option<Beat>,
     /// Angular frequency (rad/s).
     pub omega: f64,
     /// Preload (N).

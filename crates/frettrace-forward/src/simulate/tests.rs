@@ -46,6 +46,7 @@ fn rig() -> SimulatedRig {
 fn run() -> SimulatedRun {
     SimulatedRun {
         force_amplitude: 8.0,
+        beat: None,
         omega: TAU * RATE * PERIODS as f64 / SAMPLES as f64,
         preload: 70.0,
         modulation: None,
@@ -257,6 +258,7 @@ fn chattering(modes: usize) -> SimulatedRig {
 fn a_contact_that_chatters_is_marched_with_the_modes_that_can_be_recorded() {
     let run = |force_amplitude: f64| SimulatedRun {
         force_amplitude,
+        beat: None,
         omega: TAU * 54.56,
         preload: 464.7,
         modulation: None,

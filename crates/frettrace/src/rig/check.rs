@@ -128,6 +128,8 @@ fn sampling(rig: &Rig) -> Checked {
             [rig.sampling.rate_hz / rig.sampling.samples as f64, highest],
         )?;
         within(place("preload_n"), run.preload_n, [1e-3, 1e6])?;
+        within(place("beat_share"), run.beat_share, [0.0, 1.0])?;
+        within(place("beat_frequency_ratio"), run.beat_frequency_ratio, [0.0, 1.0])?;
         within(
             place("force_amplitude_n, number of values"),
             run.force_amplitude_n.len() as f64,

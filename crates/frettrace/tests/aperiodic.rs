@@ -1,0 +1,116 @@
+//! `explain` on records of which no run is periodic: a force that beats, and a base that moves by itself.
+//!
+//! The records come from the time march of 72 modes in steps of its own; neither the bins of the inverse nor the steps of the laws that are
+//! fitted to what it recovers made the data.
+
+use std::path::Path;
+
+use frettrace::explain::{ExplainOptions, explain};
+use frettrace::results::{Explanation, Place, Verdict};
+use frettrace::rig::parse_rig;
+use frettrace::simulate::simulate;
+use frettrace::{Progress, StudyError};
+use frettrace_measurement::Recording;
+
+/// A beam whose end slides sideways; the beat is no fraction of small numbers of the excitation.
+const RIG: &str = r#"
+title = "beat"
+seed = 11
+[beam]
+length_m = 0.52
+width_m = 0.030
+thickness_m = 0.0070
+youngs_modulus_pa = 2.05e11
+density_kg_per_m3 = 7840.0
+[modes]
+damping_ratio = [0.0052, 0.0047, 0.0050]
+declared = 5
+frequency_relative_std = 2e-5
+damping_relative_std = 2e-3
+[support]
+slip = "transverse"
+law = "dahl"
+[support.parameters]
+sigma0_per_m = 2.0e4
+mu_k = 0.24
+exponent = 1.0
+[exciter]
+position_m = 0.212
+[sensors]
+position_m = [0.083, 0.161, 0.254, 0.337, 0.441]
+noise_std_m_per_s2 = 0.1
+[sampling]
+rate_hz = 4096.0
+samples = 2048
+[[run]]
+frequency_hz = 93.7
+preload_n = 20.0
+force_amplitude_n = [0.8, 1.4, 2.4, 4.0]
+"#;
+
+const BEAT: &str = "beat_share = 0.5\nbeat_frequency_ratio = 0.1617\n";
+
+fn explained(more: &str) -> Result<Explanation, StudyError> {
+    explained_with(more, &ExplainOptions::default())
+}
+
+fn explained_with(more: &str, options: &ExplainOptions) -> Result<Explanation, StudyError> {
+    let rig = parse_rig(&format!("{RIG}{more}"), Path::new("rig.toml"))?;
+    let made = simulate(&rig, &Progress::silent())?;
+    explain(&Recording::Measurement(made.measurement), options, &Progress::silent())
+}
+
+fn names(found: &Explanation) -> Vec<&str> {
+    found.effects.iter().map(|effect| effect.id.as_str()).collect()
+}
+
+#[track_caller]
+fn is_near(found: &Explanation, name: &str, value: f64, share: f64) {
+    let got = found.model.parameters[name].value;
+    assert!((got / value - 1.0).abs() < share, "{name}: {got}, not {value}");
+}
+
+/// Nothing is missing, and the law is the one that made the record: a force is known to 1 % as a whole.
+#[test]
+fn a_clean_record_without_a_period_lacks_nothing() {
+    let found = explained(BEAT).unwrap();
+    assert_eq!((found.verdict, found.place), (Verdict::NothingMissing, None), "{:?}", found.notes);
+    assert!(found.effects.is_empty());
+    is_near(&found, "mu_k", 0.24, 0.01);
+    is_near(&found, "sigma0", 2.0e4, 0.01);
+    assert!(found.notes.iter().any(|note| note.contains("no run is periodic")), "{:?}", found.notes);
+    assert_eq!(found.held_out.unwrap().runs.len(), 1);
+}
+
+/// Friction that falls with speed by a half of itself is named, with its values to a twentieth.
+#[test]
+fn falling_friction_is_named_without_a_period() {
+    let effect = "[[effect]]\nid = \"friction.stribeck\"\nmu_s = 0.36\nv_s_m_per_s = 3e-2\ndelta = 1.4\n";
+    let found = explained(&format!("{BEAT}{effect}")).unwrap();
+    assert_eq!((found.verdict, found.place), (Verdict::Explained, Some(Place::Contact)), "{:?}", found.notes);
+    assert_eq!(names(&found), ["friction.stribeck"]);
+    is_near(&found, "mu_rise", 0.12, 0.05);
+    let held_out = found.held_out.unwrap();
+    assert!(held_out.after < 1.05 * held_out.noise_floor && held_out.after < 0.3 * held_out.before);
+}
+
+/// A floor that moves by itself, 0.7 m/s² at 0.2393 of the excitation's frequency: no contact force closes that line, a motion of the base does, and
+/// beside it the law lacks nothing.
+#[test]
+fn a_motion_of_the_base_is_named_without_a_period() {
+    let effect = "[[effect]]\nid = \"excitation.base-motion\"\nacceleration_m_per_s2 = 0.7\nfrequency_ratio = 0.2393\nphase_rad = 0.3\n";
+    let found = explained(effect).unwrap();
+    assert_eq!(names(&found), ["excitation.base-motion"], "{:?}", found.notes);
+    let told = &found.effects[0].parameters;
+    assert!((told["base_frequency"].value / (0.2393 * 93.7) - 1.0).abs() < 1e-3, "{told:?}");
+    assert!((told["base_acceleration"].value / 0.7 - 1.0).abs() < 0.02, "{told:?}");
+    is_near(&found, "mu_k", 0.24, 0.01);
+}
+
+/// Controls draw periodic runs: where there are none, one line says so.
+#[test]
+fn controls_are_refused_without_a_period() {
+    let options = ExplainOptions { controls: 1, ..ExplainOptions::default() };
+    let refused = explained_with(BEAT, &options).unwrap_err().to_string();
+    assert!(refused.contains("leave --controls out") && !refused.contains('\n'), "{refused}");
+}
