@@ -14,7 +14,7 @@ use crate::effects::EffectPlace;
 use crate::records::{RunRecord, RunSamples};
 use crate::verdict::{BALANCE_CLOSED, BALANCE_CLOSED_RUN};
 use crate::{Case, ExplainError, Study};
-use frettrace_forward::accelerations::{AccelerationModel, Setting};
+use frettrace_forward::accelerations::{AccelerationModel, RunLines, Setting};
 use frettrace_fourier::{Lines, refine};
 use frettrace_friction::effects::ModifiedLaw;
 use nalgebra::DMatrix;
@@ -104,14 +104,19 @@ pub(super) fn declared(case: &Case) -> Setting {
 
 /// All runs by what the lines of the excitation hold of them: at these the balance is linear whatever lies between.
 fn study(case: &Case) -> Result<Study<'_>, ExplainError> {
-    let lines = case.records.iter().map(|record| record.lines.clone()).collect();
+    balanced(case, case.records.iter().map(|record| record.lines.clone()).collect())
+}
+
+/// A study of the balance of all runs on some lines.
+pub(super) fn balanced(case: &Case, lines: Vec<RunLines>) -> Result<Study<'_>, ExplainError> {
     Ok(Study {
         case,
+        training: (0..lines.len()).collect(),
         model: AccelerationModel::new(case.rig.clone(), lines)?,
-        training: (0..case.records.len()).collect(),
         held_out: Vec::new(),
         scales: crate::Scales { length: case.rig.beam.length, ..Default::default() },
         series: Vec::new(),
+        support: None,
     })
 }
 

@@ -200,7 +200,7 @@ fn receptance(case: &Case, whole: &WholeRun) -> Result<Vec<Complex64>, ExplainEr
         omega: std::f64::consts::TAU / (whole.dt * whole.found.force.len() as f64),
         preload: 1.0,
         progress: 0.5,
-        worked: 0.5,
+        worked: [0.5; 2],
         force: vec![Complex64::ZERO; bins],
         acceleration: vec![vec![Complex64::ZERO; bins]; sensors],
         deviation: vec![vec![1.0; bins]; sensors],

@@ -330,7 +330,7 @@ impl Search<'_> {
     /// What a reader must know.
     pub fn remark(&mut self, complete: bool, verdict: Verdict, error: &RunError) {
         self.notes.push(format!(
-            "no run is periodic, so that no waveform is predicted: errors are those of the contact force, recovered over the whole spectrum without a law ({} of {} runs), against the law's answer to the recovered motion, relative, in the bins that the sensors know",
+            "fewer than three runs are periodic, so that no waveform is predicted: errors are those of the contact force, recovered over the whole spectrum without a law ({} of {} runs), against the law's answer to the recovered motion, relative, in the bins that the sensors know",
             self.training.len() + self.held_out.len(),
             self.case.records.len()
         ));

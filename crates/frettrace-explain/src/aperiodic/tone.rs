@@ -4,11 +4,11 @@
 //! force anywhere on the beam. Where a motion of the base closes it and nothing else does, that motion is told in every run, and with it
 //! what clamp and support bring to sensors, slip and normal force: it is taken out of the accelerations and put to the motion of the contact.
 
-use super::balance::declared;
+use super::balance::{balanced, declared};
 use super::motion::WholeRun;
 use crate::effects::EffectPlace;
 use crate::verdict::BALANCE_CLOSED;
-use crate::{Case, ExplainError, Scales, Study};
+use crate::{Case, ExplainError};
 use frettrace_forward::accelerations::{AccelerationModel, Balance, Beside, RunLines, Setting};
 use frettrace_fourier::{Lines, Projector, refine};
 use num_complex::Complex64;
@@ -56,14 +56,7 @@ pub fn base_tone(case: &Case, whole: &[Option<WholeRun>]) -> Result<Option<BaseT
     let Some(lines) = lines.filter(|_| sensors > 2 && case.allows("excitation.base-motion")) else {
         return Ok(None);
     };
-    let study = Study {
-        case,
-        model: AccelerationModel::new(case.rig.clone(), lines.clone())?,
-        training: (0..lines.len()).collect(),
-        held_out: Vec::new(),
-        scales: Scales { length: case.rig.beam.length, ..Scales::default() },
-        series: Vec::new(),
-    };
+    let study = balanced(case, lines.clone())?;
     let setting = declared(case);
     let plain = Balance::chi_squared_of(&study.model.balance(&setting, &study.training)?);
     let balances = study.model.balance_beside(&setting, &study.training, Beside::Base)?;

@@ -1,4 +1,4 @@
-//! Files of which no run is periodic: the contact recovered over the whole spectrum is judged.
+//! Files of which no run is periodic, or next to none: the contact recovered over the whole spectrum is judged.
 
 use super::{ExplainOptions, effect, estimate, floor_source, place, verdict};
 use crate::reconstruct::{FormChoice, ReconstructOptions, reconstruct};
@@ -11,7 +11,7 @@ use frettrace_explain::aperiodic::{
 };
 use frettrace_explain::{Case, RunError};
 use frettrace_fourier::Harmonics;
-use frettrace_inverse::RunReconstruction;
+use frettrace_inverse::{Form, RunReconstruction};
 use frettrace_measurement::Measurement;
 use num_complex::Complex64;
 
@@ -75,7 +75,7 @@ fn wave(amplitude: Complex64, turn: f64) -> impl Iterator<Item = f64> {
 
 /// What was recovered of a run, with what that leaves open; `None` where nothing was.
 fn whole(run: &RunReconstruction) -> Option<WholeRun> {
-    let contact = run.contact.as_ref()?;
+    let contact = run.contact.as_ref().filter(|_| run.lines.form == Form::Aperiodic)?;
     let (rate, samples) = (run.lines.sampling_rate, run.lines.samples);
     let sampled =
         |bins: &Vec<Complex64>| Harmonics::exact(contact.friction.base, bins.clone()).sample(rate, samples);
