@@ -78,7 +78,11 @@ fn a_clean_record_without_a_period_lacks_nothing() {
     assert!(found.effects.is_empty());
     is_near(&found, "mu_k", 0.24, 0.01);
     is_near(&found, "sigma0", 2.0e4, 0.01);
-    assert!(found.notes.iter().any(|note| note.contains("fewer than three runs are periodic")), "{:?}", found.notes);
+    assert!(
+        found.notes.iter().any(|note| note.contains("fewer than three runs are periodic")),
+        "{:?}",
+        found.notes
+    );
     assert_eq!(found.held_out.unwrap().runs.len(), 1);
 }
 

@@ -4,9 +4,9 @@
 //! over the whole spectrum, without a law, and says what it leaves open ([`WholeRun`]). Two questions are asked, one after the other:
 //!
 //! 1. *Does the balance close without a law?* χ² per degree of freedom of what no contact force explains. Where it does not, the contact is
-//!    not asked: structure, excitation or measurement are at fault ([`balance`]).
+//!    not asked: structure, excitation or measurement are at fault (`balance.rs`).
 //! 2. *Does the declared law answer the recovered motion with the recovered force?* It is fitted to the training runs, effects are tried inside
-//!    it, and runs that nothing was fitted to decide ([`search`]).
+//!    it, and runs that nothing was fitted to decide (`search.rs`).
 
 mod balance;
 mod motion;

@@ -90,7 +90,7 @@ fn held<'a>(signals: impl Iterator<Item = &'a [f64]>) -> Option<usize> {
     }
     let chance = (pairs + 1) as f64 / samples.max(1) as f64;
     let fewest = 1.0 + ((BY_CHANCE / samples.max(1) as f64).ln() / chance.ln()).ceil();
-    (chance < RARE).then(|| if longest as f64 >= fewest { 2 } else { usize::MAX })
+    (chance < RARE).then_some(if longest as f64 >= fewest { 2 } else { usize::MAX })
 }
 
 /// Whether a value is the largest or the smallest of a signal: what stays there is clipped.
