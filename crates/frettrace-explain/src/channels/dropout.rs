@@ -8,7 +8,7 @@ use frettrace_fourier::{Lines, Projector};
 const FEWEST: usize = 8;
 /// … and share of a period of the excitation that they must last.
 const SHARE: f64 = 0.1;
-/// Share of neighbours that are equal by chance below which a channel is read finely: then a few in a row are a dropout, …
+/// Share of neighbours that are equal by chance below which a channel is read finely: then few in a row are a dropout, …
 const RARE: f64 = 1e-3;
 /// … so many that chance brings them to the whole of its samples once in a thousand times.
 const BY_CHANCE: f64 = 1e-3;
@@ -29,7 +29,7 @@ pub(super) fn find(runs: &[RunSamples<'_>], channels: &mut Channels) -> Vec<Chan
     let mut faults = Vec::new();
     for sensor in 0..sensors {
         let (mut lost, mut total, mut first) = (0, 0, None);
-        let held = held(runs.iter().map(|run| run.acceleration[sensor].as_slice()));
+        let holds = holds(runs.iter().map(|run| run.acceleration[sensor].as_slice()));
         for (run, samples) in runs.iter().enumerate() {
             let signal = &samples.acceleration[sensor];
             total += signal.len();
@@ -40,7 +40,7 @@ pub(super) fn find(runs: &[RunSamples<'_>], channels: &mut Channels) -> Vec<Chan
                 .filter(|other| *other != sensor)
                 .map(|other| samples.acceleration[other].as_slice())
                 .collect();
-            let mask = gaps(signal, &others, (period(samples), held));
+            let mask = gaps(signal, &others, (period(samples), holds));
             let missing = mask.iter().filter(|m| **m).count();
             if missing == 0 || 2 * missing > signal.len() {
                 continue;
@@ -74,23 +74,22 @@ fn stretches(signal: &[f64]) -> impl Iterator<Item = std::ops::Range<usize>> {
     })
 }
 
-/// Fewest equal samples in a row that are a dropout in a channel that is read finely; `None` where neighbours are often equal. By chance
-/// `n p^(m−1)` of `n` samples begin `m` equal ones, and the pairs that stand alone tell `p`. Where there are more than those, a pair is
-/// one too.
-fn held<'a>(signals: impl Iterator<Item = &'a [f64]>) -> Option<usize> {
+/// Whether equal samples, a pair and more, are a dropout of a channel: one that is read finely and has more in a row than chance brings. By
+/// chance `n p^(m−1)` of `n` samples begin `m` equal ones, and the pairs that stand alone tell `p`.
+fn holds<'a>(signals: impl Iterator<Item = &'a [f64]>) -> bool {
     let (mut samples, mut pairs, mut longest) = (0, 0, 0);
     for signal in signals {
         samples += signal.len();
         for stretch in stretches(signal) {
             pairs += usize::from(stretch.len() == 2);
-            if !is_extreme(signal, signal[stretch.start]) {
-                longest = longest.max(stretch.len());
+            if stretch.len() > longest && !is_extreme(signal, signal[stretch.start]) {
+                longest = stretch.len();
             }
         }
     }
     let chance = (pairs + 1) as f64 / samples.max(1) as f64;
     let fewest = 1.0 + ((BY_CHANCE / samples.max(1) as f64).ln() / chance.ln()).ceil();
-    (chance < RARE).then_some(if longest as f64 >= fewest { 2 } else { usize::MAX })
+    chance < RARE && longest as f64 >= fewest
 }
 
 /// Whether a value is the largest or the smallest of a signal: what stays there is clipped.
@@ -98,14 +97,13 @@ fn is_extreme(signal: &[f64], value: f64) -> bool {
     signal.iter().all(|x| *x <= value) || signal.iter().all(|x| *x >= value)
 }
 
-/// Samples that are lost, where so many equal ones are a dropout.
-fn gaps(signal: &[f64], others: &[&[f64]], (period, held): (usize, Option<usize>)) -> Vec<bool> {
+/// Samples that are lost; of a channel that `holds` its value, any equal ones.
+fn gaps(signal: &[f64], others: &[&[f64]], (period, holds): (usize, bool)) -> Vec<bool> {
     let n = signal.len();
     let mut lost = vec![false; n];
     let fewest = FEWEST.max((SHARE * period as f64) as usize);
     for stretch in stretches(signal) {
-        let few =
-            held.is_some_and(|held| stretch.len() >= held && !is_extreme(signal, signal[stretch.start]));
+        let few = holds && stretch.len() > 1 && !is_extreme(signal, signal[stretch.start]);
         if few || stretch.len() >= fewest {
             lost[stretch].fill(true);
         }
@@ -193,7 +191,7 @@ fn fill(run: &RunSamples<'_>, mask: &[bool], signal: &mut [f64]) {
 
 #[cfg(test)]
 mod tests {
-    use super::{gaps, held};
+    use super::{gaps, holds};
 
     /// Four thousand samples of a sine, no two neighbours of which are equal: of chance `2.5·10⁻⁴` three in a row are a dropout, since
     /// `4000 · (2.5·10⁻⁴)² < 10⁻³`, and with them a pair is one. Read in steps of a hundredth, its turns hold a value for many samples and
@@ -201,21 +199,20 @@ mod tests {
     #[test]
     fn a_few_held_samples_are_a_dropout_of_a_finely_read_channel() {
         let sine: Vec<f64> = (0..4000).map(|k| (0.0371 * k as f64 + 0.2).sin()).collect();
-        assert_eq!(held([sine.as_slice()].into_iter()), Some(usize::MAX));
+        assert!(!holds([sine.as_slice()].into_iter()));
         let mut dropping = sine.clone();
         dropping[701] = dropping[700];
-        assert_eq!(held([dropping.as_slice()].into_iter()), Some(usize::MAX));
+        assert!(!holds([dropping.as_slice()].into_iter()));
         dropping.copy_within(1200..1201, 1201);
         dropping.copy_within(1200..1202, 1202);
-        let limit = held([dropping.as_slice()].into_iter());
-        assert_eq!(limit, Some(2));
-        let lost = gaps(&dropping, &[], (169, limit));
+        assert!(holds([dropping.as_slice()].into_iter()));
+        let lost = gaps(&dropping, &[], (169, true));
         let expected: Vec<usize> = (698..=703).chain(1198..=1205).collect();
         assert_eq!((0..4000).filter(|&k| lost[k]).collect::<Vec<_>>(), expected);
         let coarse: Vec<f64> = sine.iter().map(|x| (100.0 * x).round() / 100.0).collect();
-        assert_eq!(held([coarse.as_slice()].into_iter()), None);
+        assert!(!holds([coarse.as_slice()].into_iter()));
         let clipped: Vec<f64> = sine.iter().map(|x| x.min(0.9)).collect();
-        assert_eq!(held([clipped.as_slice()].into_iter()), Some(usize::MAX));
+        assert!(!holds([clipped.as_slice()].into_iter()));
     }
 
     /// Forty periods of fifty samples; a channel that reads noise of a hundredth in two of them has lost them, unless all others
@@ -231,9 +228,9 @@ mod tests {
                 .collect()
         };
         let [fallen, going, other] = [tone(0.01, 0.0), tone(1.0, 0.3), tone(0.02, 0.6)];
-        let alone = gaps(&fallen, &[&going, &going, &other], (50, None));
+        let alone = gaps(&fallen, &[&going, &going, &other], (50, false));
         assert!(alone[1000..1100].iter().all(|lost| *lost));
         assert!(alone.iter().filter(|lost| **lost).count() <= 100 + 2 * super::MARGIN);
-        assert!(gaps(&fallen, &[&other, &other, &going], (50, None)).iter().all(|lost| !lost));
+        assert!(gaps(&fallen, &[&other, &other, &going], (50, false)).iter().all(|lost| !lost));
     }
 }
