@@ -8,7 +8,7 @@ use crate::results::{
     ModeEstimate, NoiseFloorSource, Place, Provenance, Question, Structure, Verdict,
 };
 use crate::{Progress, StudyError, case};
-use frettrace_explain::{Explained, Outcome, RunError};
+use frettrace_explain::{Explained, Named, Outcome, RunError, Tried};
 use frettrace_forward::accelerations::Quantity;
 use frettrace_measurement::{MeasuredModes, Measurement, Recording};
 use std::collections::BTreeMap;
@@ -80,49 +80,86 @@ fn control(asked: &frettrace_explain::Control) -> Control {
     }
 }
 
+/// What both ways of explaining find, as far as it is told alike.
+struct Found<'a> {
+    verdict: frettrace_explain::Verdict,
+    effects: &'a [Named],
+    place: Option<frettrace_explain::Place>,
+    error: &'a [RunError; 2],
+    held_out: Option<&'a [RunError; 2]>,
+    runs: &'a [Vec<usize>; 2],
+    tried: &'a [Tried],
+    notes: &'a [String],
+}
+
+impl Found<'_> {
+    /// The explanation with the identifications of the declared model and of the one with effects, to which errors and provenance
+    /// are put.
+    fn explanation(
+        &self,
+        (measurement, options): (&Measurement, &ExplainOptions),
+        summary: fn(&RunError, NoiseFloorSource) -> ErrorSummary,
+        sides: [Identification; 2],
+    ) -> Explanation {
+        let names = |runs: &[usize]| runs.iter().map(|&k| measurement.runs[k].id.clone()).collect::<Vec<_>>();
+        let [training, held_out] = self.runs;
+        let source = floor_source(measurement);
+        let errors = |[before, after]: &[RunError; 2], runs: &[usize]| BeforeAfter {
+            before: before.relative(),
+            after: after.relative(),
+            noise_floor: after.relative_floor(),
+            noise_floor_source: source,
+            runs: names(runs),
+        };
+        let provenance = Provenance {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            seed: options.seed,
+            training_runs: names(training),
+        };
+        let judged = |side: Identification, k: usize| Identification {
+            error: summary(&self.error[k], source),
+            held_out: self
+                .held_out
+                .map(|errors| HeldOut { error: summary(&errors[k], source), runs: names(held_out) }),
+            provenance: provenance.clone(),
+            ..side
+        };
+        let [baseline, model] = sides;
+        let candidate = |tried: &Tried| Candidate {
+            id: tried.id.to_owned(),
+            error: tried.error,
+            evidence: tried.evidence,
+        };
+        Explanation {
+            verdict: verdict(self.verdict),
+            effects: self.effects.iter().map(effect).collect(),
+            place: self.place.map(place),
+            error: errors(self.error, training),
+            held_out: self.held_out.map(|found| errors(found, held_out)),
+            candidates: self.tried.iter().map(candidate).collect(),
+            baseline: judged(baseline, 0),
+            model: judged(model, 1),
+            notes: self.notes.to_vec(),
+            provenance,
+            ..Explanation::default()
+        }
+    }
+}
+
 fn explanation(measurement: &Measurement, options: &ExplainOptions, outcome: &Outcome) -> Explanation {
-    let names = |runs: &[usize]| runs.iter().map(|&k| measurement.runs[k].id.clone()).collect::<Vec<_>>();
-    let [training, held_out] = &outcome.runs;
-    let source = floor_source(measurement);
-    let errors = |[before, after]: &[RunError; 2], runs: &[usize]| BeforeAfter {
-        before: before.relative(),
-        after: after.relative(),
-        noise_floor: after.relative_floor(),
-        noise_floor_source: source,
-        runs: names(runs),
-    };
-    let provenance = Provenance {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        seed: options.seed,
-        training_runs: names(training),
+    let found = Found {
+        verdict: outcome.verdict,
+        effects: &outcome.effects,
+        place: outcome.place,
+        error: &outcome.error,
+        held_out: outcome.held_out.as_ref(),
+        runs: &outcome.runs,
+        tried: &outcome.tried,
+        notes: &outcome.notes,
     };
     let law = &measurement.support.law;
-    let side = |model: &Explained, k: usize| Identification {
-        error: summary(&outcome.error[k], source),
-        held_out: outcome
-            .held_out
-            .as_ref()
-            .map(|e| HeldOut { error: summary(&e[k], source), runs: names(held_out) }),
-        provenance: provenance.clone(),
-        ..identification(measurement, law, model)
-    };
-    Explanation {
-        verdict: verdict(outcome.verdict),
-        effects: outcome.effects.iter().map(effect).collect(),
-        place: outcome.place.map(place),
-        error: errors(&outcome.error, training),
-        held_out: outcome.held_out.as_ref().map(|e| errors(e, held_out)),
-        candidates: outcome
-            .tried
-            .iter()
-            .map(|t| Candidate { id: t.id.to_owned(), error: t.error, evidence: t.evidence })
-            .collect(),
-        baseline: side(&outcome.baseline, 0),
-        model: side(&outcome.model, 1),
-        provenance: provenance.clone(),
-        notes: outcome.notes.clone(),
-        ..Explanation::default()
-    }
+    let sides = [&outcome.baseline, &outcome.model].map(|model| identification(measurement, law, model));
+    found.explanation((measurement, options), summary, sides)
 }
 
 fn floor_source(measurement: &Measurement) -> NoiseFloorSource {
@@ -165,14 +202,15 @@ fn effect(named: &frettrace_explain::Named) -> Effect {
         probability: named.probability,
         position_m: named.position,
         sensor: named.sensor,
-        parameters: named
-            .parameters
-            .iter()
-            .map(|(name, unit, value, std)| (name.clone(), estimate(*value, *std, unit)))
-            .collect(),
+        parameters: estimates(&named.parameters),
         indistinguishable_from: named.indistinguishable.iter().map(|id| (*id).to_owned()).collect(),
         separating_experiment: Some(named.experiment.to_owned()),
     }
+}
+
+/// Values by their names: name, unit, value, standard deviation.
+fn estimates(values: &[(String, String, f64, f64)]) -> BTreeMap<String, Estimate> {
+    values.iter().map(|(name, unit, value, std)| (name.clone(), estimate(*value, *std, unit))).collect()
 }
 
 fn estimate(value: f64, std: f64, unit: &str) -> Estimate {

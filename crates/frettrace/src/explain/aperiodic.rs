@@ -1,13 +1,11 @@
 //! Files of which no run is periodic, or next to none: the contact recovered over the whole spectrum is judged.
 
-use super::{ExplainOptions, effect, estimate, floor_source, place, verdict};
+use super::{ExplainOptions, Found, estimates};
 use crate::reconstruct::{FormChoice, ReconstructOptions, reconstruct};
-use crate::results::{
-    BeforeAfter, Candidate, ErrorSummary, Explanation, HeldOut, Identification, NoiseFloorSource, Provenance,
-};
+use crate::results::{ErrorSummary, Explanation, Identification, NoiseFloorSource};
 use crate::{Progress, StudyError, case};
 use frettrace_explain::aperiodic::{
-    BaseTone, Motion, WholeOutcome, WholeRun, base_tone, explain_whole, with_base_motion,
+    BaseTone, Motion, Value, WholeOutcome, WholeRun, base_tone, explain_whole, with_base_motion,
 };
 use frettrace_explain::{Case, RunError};
 use frettrace_fourier::Harmonics;
@@ -143,52 +141,23 @@ fn own(lines: &Harmonics, shared: &[Vec<Complex64>], excess: &[f64]) -> Vec<f64>
 }
 
 fn explanation(measurement: &Measurement, options: &ExplainOptions, outcome: &WholeOutcome) -> Explanation {
-    let names = |runs: &[usize]| runs.iter().map(|&k| measurement.runs[k].id.clone()).collect::<Vec<_>>();
-    let [training, held_out] = &outcome.runs;
-    let source = floor_source(measurement);
-    let errors = |[before, after]: &[RunError; 2], runs: &[usize]| BeforeAfter {
-        before: before.relative(),
-        after: after.relative(),
-        noise_floor: after.relative_floor(),
-        noise_floor_source: source,
-        runs: names(runs),
+    let found = Found {
+        verdict: outcome.verdict,
+        effects: &outcome.effects,
+        place: outcome.place,
+        error: &outcome.error,
+        held_out: outcome.held_out.as_ref(),
+        runs: &outcome.runs,
+        tried: &outcome.tried,
+        notes: &outcome.notes,
     };
-    let provenance = Provenance {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        seed: options.seed,
-        training_runs: names(training),
-    };
-    let side = |k: usize| Identification {
-        law: measurement.support.law.clone(),
-        parameters: outcome.laws[k]
-            .iter()
-            .map(|(name, unit, value, std)| (name.clone(), estimate(*value, *std, unit)))
-            .collect(),
-        error: summary(&outcome.error[k], source),
-        held_out: outcome
-            .held_out
-            .as_ref()
-            .map(|errors| HeldOut { error: summary(&errors[k], source), runs: names(held_out) }),
-        provenance: provenance.clone(),
+    let law = &measurement.support.law;
+    let side = |values: &Vec<Value>| Identification {
+        law: law.clone(),
+        parameters: estimates(values),
         ..Identification::default()
     };
-    Explanation {
-        verdict: verdict(outcome.verdict),
-        effects: outcome.effects.iter().map(effect).collect(),
-        place: outcome.place.map(place),
-        error: errors(&outcome.error, training),
-        held_out: outcome.held_out.as_ref().map(|found| errors(found, held_out)),
-        candidates: outcome
-            .tried
-            .iter()
-            .map(|t| Candidate { id: t.id.to_owned(), error: t.error, evidence: t.evidence })
-            .collect(),
-        baseline: side(0),
-        model: side(1),
-        provenance: provenance.clone(),
-        notes: outcome.notes.clone(),
-        ..Explanation::default()
-    }
+    found.explanation((measurement, options), summary, outcome.laws.each_ref().map(side))
 }
 
 fn summary(error: &RunError, source: NoiseFloorSource) -> ErrorSummary {
