@@ -3,6 +3,7 @@
 use super::bare::{Bare, bare};
 use super::{ChannelFault, Channels, HEARD, HEARD_IN_A_RUN};
 use crate::RunSamples;
+use frettrace_fourier::dot;
 use std::f64::consts::TAU;
 
 /// Mains frequencies (Hz) and the harmonics that are looked for.
@@ -153,10 +154,6 @@ fn tones((bare, asked): (&[Bare<'_>], &[bool]), frequency: f64) -> Vec<Tone> {
         }
     }
     out
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 /// Phases (rad) of tones of one frequency beside the one that explains most: runs begin anywhere, but alike for all channels.
