@@ -2,7 +2,7 @@
 
 use crate::Study;
 use crate::contact_fit::{ContactProblem, Contacts, Leeway, Moved, Recovered, mean_force, recover};
-use crate::effects::{ALL, ContactForm, Effect};
+use crate::effects::{ALL, ContactForm, Effect, apply};
 use crate::law_starts::{scattered, starts};
 use crate::study::{as_declared, merge};
 use crate::{ExplainError, Unknown};
@@ -10,7 +10,7 @@ use frettrace_forward::accelerations::{
     AccelerationError, Beside, FrequencyRatio, Memory, Quantity, Setting,
 };
 use frettrace_friction::effects::{Hook, ModifiedLaw};
-use frettrace_identify::{Model, Parameter, Status};
+use frettrace_identify::{Model, Status};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -313,26 +313,10 @@ impl Study<'_> {
         (from, most): (Option<&ContactCandidate>, usize),
     ) -> Option<ContactCandidate> {
         let mut law = setting.law;
-        let mut added = Vec::new();
-        for change in &form.changes {
-            law.set(change.hook, change.start);
-            if let Some(parameter) = &change.parameter {
-                let quantity = Quantity::Law(change.hook);
-                added.push(Unknown { quantity, parameter: parameter.clone() });
-            }
-        }
+        let added = apply(&form.changes, &mut law);
         let unknowns = merge(law_unknowns, &added);
-        let rigid = setting.rigid && !law.yields();
         let sizes = [self.scales.preload, self.fastest(recovered)];
-        let (hooks, parameters): (Vec<Hook>, Vec<Parameter>) = unknowns
-            .iter()
-            .filter_map(|u| match u.quantity {
-                Quantity::Law(hook) if !(rigid && hook == Hook::Sigma0) => {
-                    Some((hook, u.sized(&law, sizes).parameter))
-                }
-                _ => None,
-            })
-            .unzip();
+        let (hooks, parameters) = Unknown::hooks(&unknowns, (&law, setting.rigid), sizes);
         let modulated = law.get(Hook::ModulationCosine).is_some() && !form.changes.is_empty();
         let modulation = if modulated { form.modulation } else { setting.modulation };
         let law = from.map_or(law, |begun| begun.law);

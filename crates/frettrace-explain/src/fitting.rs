@@ -45,6 +45,21 @@ impl Unknown {
         sized
     }
 
+    /// Those that are values of the contact's law, by their hooks, in the sizes that they have there ([`Self::sized`]): the stiffness of a
+    /// contact without a presliding range is no value of it.
+    pub(crate) fn hooks(
+        all: &[Self],
+        (law, rigid): (&ModifiedLaw<f64>, bool),
+        sizes: [f64; 2],
+    ) -> (Vec<Hook>, Vec<Parameter>) {
+        let idle = |hook: Hook| rigid && !law.yields() && hook == Hook::Sigma0;
+        let of_law = |unknown: &Self| match unknown.quantity {
+            Quantity::Law(hook) if !idle(hook) => Some((hook, unknown.sized(law, sizes).parameter)),
+            _ => None,
+        };
+        all.iter().filter_map(of_law).unzip()
+    }
+
     /// Those that are values of the contact's law, and the others.
     pub(crate) fn parted(all: &[Self]) -> (Vec<Self>, Vec<Self>) {
         all.iter().cloned().partition(Self::is_of_law)

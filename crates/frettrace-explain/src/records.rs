@@ -71,7 +71,7 @@ const CLEARER: f64 = 0.7;
 /// [`CLEARER`].
 const NOTICED: f64 = 0.8;
 /// Share of the band below half the sampling rate that is trusted: above it anti-alias filters bend every channel.
-const BAND: f64 = 0.8;
+pub(crate) const BAND: f64 = 0.8;
 /// Relative accuracy to which lines can be compared with any model of a beam: bounds the weight of a single line.
 const RELATIVE_ACCURACY: f64 = 3e-5;
 /// A run is periodic where what lies beside its lines stays within this factor of the noise …

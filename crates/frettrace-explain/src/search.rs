@@ -1,7 +1,7 @@
 //! The search: the whole model for the few candidates that stand out on the recovered contacts or on the balance.
 
 use crate::contact_search::{ContactCandidate, within_reach};
-use crate::effects::{ALL, Simpler};
+use crate::effects::{ALL, Simpler, apply};
 use crate::left::LeftLines;
 use crate::study::merge;
 use crate::{ExplainError, Fitted, Study, Unknown};
@@ -225,12 +225,7 @@ impl Study<'_> {
         let effect = ALL.iter().position(|effect| effect.id() == simpler.id)?;
         let mut setting = richer.fitted.setting.clone();
         setting.law = simpler.law;
-        let mut brought = Vec::new();
-        for change in &simpler.changes {
-            setting.law.set(change.hook, change.start);
-            let quantity = Quantity::Law(change.hook);
-            brought.extend(change.parameter.clone().map(|parameter| Unknown { quantity, parameter }));
-        }
+        let brought = apply(&simpler.changes, &mut setting.law);
         let unknowns = merge(&merge(&self.case.unknowns(), &from.added), &brought);
         self.with_effect(from, setting, (effect, &unknowns), 30)
     }

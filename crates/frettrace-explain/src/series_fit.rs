@@ -150,7 +150,7 @@ const SLOW_DONE: f64 = 0.98;
 /// Relative error below which no such motion is asked for.
 const CLEAR: f64 = 0.01;
 /// Relative accuracy of a recovered force: what drift, taper and the structure's errors leave.
-const ACCURACY: f64 = 0.01;
+pub(crate) const ACCURACY: f64 = 0.01;
 
 /// A run ready for comparison.
 pub(crate) struct SeriesContact {

@@ -223,7 +223,7 @@ impl<'a> Study<'a> {
     /// [`ExplainError::Model`] where the grid cannot carry the lines.
     pub(crate) fn resolved(&self, fitted: &Fitted) -> Result<Option<Self>, ExplainError> {
         let Some(finer) = self.refined()? else { return Ok(None) };
-        let all: Vec<usize> = self.training.iter().chain(&self.held_out).copied().collect();
+        let all = self.all_runs();
         let [coarse, fine] = [self, &finer].map(|study| study.predictions(fitted, &all));
         let mut runs = self.model.runs.clone();
         let mut cut_short = false;
@@ -244,7 +244,7 @@ impl<'a> Study<'a> {
     /// Counts the error of the phase grid among the deviations of the lines. Twice the lines of force divide it by about three, so
     /// that this grid leaves half of what parts its predictions from those of the `coarser` one.
     pub fn doubt_grid(&mut self, coarser: &Self, fitted: &Fitted) {
-        let all: Vec<usize> = self.training.iter().chain(&self.held_out).copied().collect();
+        let all = self.all_runs();
         let [before, now] = [coarser, &*self].map(|study| study.predictions(fitted, &all));
         for ((&run, before), now) in all.iter().zip(before).zip(now) {
             let (Some(before), Some(now)) = (before, now) else { continue };
@@ -264,6 +264,11 @@ impl<'a> Study<'a> {
         all.training.append(&mut all.held_out);
         all.training.sort_unstable();
         all.polished(model).ok().filter(Explained::complete)
+    }
+
+    /// Runs that are fitted and runs that nothing is fitted to.
+    pub(crate) fn all_runs(&self) -> Vec<usize> {
+        self.training.iter().chain(&self.held_out).copied().collect()
     }
 
     fn of_model(&self, model: AccelerationModel) -> Self {

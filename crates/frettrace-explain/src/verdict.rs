@@ -19,9 +19,9 @@ pub use asked_again::explain;
 pub use outcome::{Named, Outcome, Place, Tried, Verdict};
 
 /// Most effects named together.
-const MOST_EFFECTS: usize = 2;
+pub(crate) const MOST_EFFECTS: usize = 2;
 /// Evidence that a claim needs against its rivals.
-const EVIDENCE: f64 = 10.0;
+pub(crate) const EVIDENCE: f64 = 10.0;
 /// Largest share of the excess over the noise that a second effect may leave: a mechanism that is there takes its own away.
 const PROXY: f64 = 0.4;
 /// A model nearer to the noise than this is fitted further, and on a finer grid, before it is judged.
@@ -42,7 +42,7 @@ const AT_REST: f64 = 0.25;
 const RIGID_ACCURACY: f64 = 2e-4;
 /// Relative error of the recovered force of a run without a period from which the law is in doubt: five times the accuracy
 /// with which such a force is recovered.
-const SERIES_OPEN: f64 = 0.05;
+pub(crate) const SERIES_OPEN: f64 = 0.05;
 /// … and χ² per residual above which, with that, it contradicts the law: what five times the accuracy makes.
 const SERIES_BEYOND: f64 = 25.0;
 /// Error over noise up to which runs that nothing was fitted to bear out that nothing is missing.
@@ -53,9 +53,9 @@ const CONTRADICTED: f64 = 1.1;
 /// … and up to which it is the noise and the common uncertainty of the fitted values.
 const FORETOLD: f64 = 1.03;
 /// Improvement on held-out runs that a claim needs, in standard errors.
-const HELD_OUT: f64 = 2.5;
+pub(crate) const HELD_OUT: f64 = 2.5;
 /// Share of their excess over the noise that a claim may leave there: more than half of it must go.
-const HELD_OUT_SHARE: f64 = 0.5;
+pub(crate) const HELD_OUT_SHARE: f64 = 0.5;
 /// The structure is calibrated on the balance above this χ² per degree of freedom: with the thousand degrees of freedom of
 /// a set, two standard deviations.
 pub(crate) const BALANCE_CALIBRATED: f64 = 1.1;

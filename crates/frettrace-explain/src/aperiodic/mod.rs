@@ -24,14 +24,13 @@ pub use tone::{BaseTone, ToneMotion, base_tone};
 use crate::effects::{ALL, EffectPlace};
 use crate::split::by_level;
 use crate::start;
-use crate::verdict::{Named, Tried, Verdict};
-use crate::{Case, ExplainError, RunError, RunSamples, Scales, Split};
-use frettrace_forward::accelerations::{AccelerationModel, RunLines};
+use crate::verdict::{EVIDENCE, Named, SERIES_OPEN, Tried, Verdict};
+use crate::{Case, ExplainError, RunError, RunSamples, Scales, Split, slip_receptance};
 use frettrace_friction::effects::ModifiedLaw;
 use frettrace_identify::contact::{Closure, ContactHistory};
 use num_complex::Complex64;
 use run::OpenRun;
-use search::{EVIDENCE, Fitted, Judged, Search};
+use search::{Fitted, Judged, Search};
 use std::sync::Arc;
 
 /// Name, unit, value and standard deviation.
@@ -60,8 +59,6 @@ pub struct WholeOutcome {
     pub notes: Vec<String>,
 }
 
-/// Relative error of a recovered force from which the law is in doubt: five times the accuracy with which it is recovered.
-const IN_DOUBT: f64 = 0.05;
 /// Relative error from which a law takes less than half of the power of the recovered forces: what those hold is not the contact's.
 const DROWNED: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Samples of a record that the first values of the law are read from.
@@ -195,23 +192,9 @@ fn prepared<'a>(case: &'a Case, whole: &[Option<WholeRun>]) -> Result<Search<'a>
 /// Slip (m/N) that a unit of contact force takes, in every bin of a record.
 fn receptance(case: &Case, whole: &WholeRun) -> Result<Vec<Complex64>, ExplainError> {
     let bins = whole.own.len();
-    let sensors = case.rig.sensors.len();
-    let lines = RunLines {
-        omega: std::f64::consts::TAU / (whole.dt * whole.found.force.len() as f64),
-        preload: 1.0,
-        progress: 0.5,
-        worked: [0.5; 2],
-        force: vec![Complex64::ZERO; bins],
-        acceleration: vec![vec![Complex64::ZERO; bins]; sensors],
-        deviation: vec![vec![1.0; bins]; sensors],
-        base_phase: 0.0,
-        known_force: Vec::new(),
-        contact_order: bins.saturating_sub(1),
-        samples: (4 * bins).next_power_of_two(),
-    };
-    let model = AccelerationModel::new(case.rig.clone(), vec![lines])?;
+    let omega = std::f64::consts::TAU / (whole.dt * whole.found.force.len() as f64);
     let setting = case.setting(ModifiedLaw::dahl(1.0, 1.0));
-    let mut gain = model.balance(&setting, &[0])?.into_iter().next().map(|b| b.slip_gain).unwrap_or_default();
+    let mut gain = slip_receptance(case, &setting, (omega, bins))?;
     gain.resize(bins, Complex64::ZERO);
     // No accelerometer sees the mean.
     gain[0] = Complex64::ZERO;
@@ -262,7 +245,7 @@ fn outcome(mut search: Search<'_>, (baseline, model): (Fitted, Fitted)) -> Whole
     let error = [&baseline, &model].map(|fitted| of_training(&search, fitted));
     let held =
         [(&baseline, &judged[0]), (&model, &judged[1])].map(|(fitted, judged)| of_held_out(fitted, judged));
-    let slight = |errors: &RunError| errors.power == 0.0 || errors.relative() < IN_DOUBT;
+    let slight = |errors: &RunError| errors.power == 0.0 || errors.relative() < SERIES_OPEN;
     // What nothing explains is not worth a doubt while it is no more than the method may leave.
     let within = model.effects.is_empty() && slight(&error[0]) && slight(&held[0]);
     let verdict = match (complete, model.effects.is_empty()) {

@@ -8,6 +8,7 @@ mod weights;
 
 use super::motion::{Motion, WholeRun};
 use crate::contact_fit::LANES;
+use crate::records::BAND;
 use crate::series_fit::{Series, resistance};
 use frettrace_fourier::tapered_spectrum;
 use frettrace_friction::effects::{Circumstance, ModifiedLaw, Reached};
@@ -17,10 +18,6 @@ use num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Relative accuracy of a force recovered over the whole spectrum: what taper and sampling leave.
-pub(super) const ACCURACY: f64 = 0.01;
-/// Share of the band below half the sampling rate that is trusted: above it anti-alias filters bend every channel.
-const TRUSTED: f64 = 0.8;
 /// Part of a step by which the jump of a rigid contact's force may be misplaced.
 const JUMP: f64 = 0.25;
 /// Standard deviations that a bin must exceed to be compared.
@@ -135,7 +132,7 @@ impl OpenRun {
         run.shared = Arc::new(run.whole.shared.clone());
         let xi = run.least_drift();
         let measured = Series::amplitudes(&run.moved(&xi).force);
-        let trusted = (TRUSTED * measured.len() as f64) as usize;
+        let trusted = (BAND * measured.len() as f64) as usize;
         run.bins = (2..trusted).step_by(2).collect();
         run.deviation = vec![1.0; run.bins.len()];
         let noise = run.deviations(&|motion: &Motion| vec![0.0; motion.force.len()], &xi);

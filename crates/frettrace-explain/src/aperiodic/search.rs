@@ -2,32 +2,25 @@
 
 mod looks;
 
+use super::Value;
 use super::problem::OpenProblem;
-use super::run::{ACCURACY, Open, OpenRun, Wave};
+use super::run::{Open, OpenRun, Wave};
 use super::wave;
-use super::{IN_DOUBT, Value};
 use crate::case::Scales;
 use crate::effects::ALL;
 use crate::law_starts::scattered;
+use crate::search::COMPLETE;
+use crate::series_fit::ACCURACY;
 use crate::study::deviations;
-use crate::verdict::Verdict;
+use crate::verdict::{EVIDENCE, HELD_OUT, HELD_OUT_SHARE, MOST_EFFECTS, SERIES_OPEN, Verdict};
 use crate::{Case, RunError, Unknown};
-use frettrace_forward::accelerations::Quantity;
-use frettrace_friction::effects::{Hook, ModifiedLaw};
+use frettrace_friction::effects::ModifiedLaw;
 use frettrace_identify::{Fit, Parameter, Status};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// Evidence from which a preference is strong (Kass and Raftery 1995).
-pub(super) const EVIDENCE: f64 = 10.0;
-/// A residual within this factor of the floor is complete.
-const COMPLETE: f64 = 1.05;
 /// Upper end of a scatter, in standard deviations (one in twenty).
 const UPPER: f64 = 1.645;
-/// Standard errors by which held-out runs must improve.
-const IMPROVED: f64 = 2.5;
-/// Share of the excess over the floor that an effect may leave in runs held out.
-const LEFT_THERE: f64 = 0.5;
 /// Steps of a fit to its end, of one from another start, and of a first look at a form.
 const ALL_STEPS: usize = 15;
 const BEGIN: usize = 8;
@@ -46,8 +39,6 @@ const ENDED: usize = 2;
 /// Other starts of a law of many values that are tried, and those that get all steps.
 const STARTS: usize = 8;
 const MANY_VALUES: usize = 4;
-/// Most effects named together.
-const MOST_EFFECTS: usize = 2;
 
 /// A law with effects, fitted to the training runs.
 #[derive(Clone)]
@@ -113,18 +104,9 @@ impl Search<'_> {
     }
 
     fn problem<'b>(&self, runs: &'b [OpenRun], from: &Fitted, held: bool) -> OpenProblem<'b> {
-        let rigid = self.case.law.is_static() && !from.law.yields();
         let sizes = [self.scales.preload, self.scales.velocity];
-        let (hooks, parameters): (Vec<Hook>, Vec<Parameter>) = from
-            .unknowns
-            .iter()
-            .filter_map(|u| match u.quantity {
-                Quantity::Law(hook) if !(rigid && hook == Hook::Sigma0) => {
-                    Some((hook, u.sized(&from.law, sizes).parameter))
-                }
-                _ => None,
-            })
-            .unzip();
+        let (hooks, parameters) =
+            Unknown::hooks(&from.unknowns, (&from.law, self.case.law.is_static()), sizes);
         OpenProblem { runs, law: from.law, hooks, parameters, held }
     }
 
@@ -307,7 +289,7 @@ impl Search<'_> {
         Some(best)
     }
 
-    /// Whether held-out runs improve by [`IMPROVED`] standard errors, and by half of what they leave over the floor: with `δ` the difference of
+    /// Whether held-out runs improve by [`HELD_OUT`] standard errors, and by half of what they leave over the floor: with `δ` the difference of
     /// what both models leave, `Δχ²` scatters by `2|δ|`, the more so by what is left.
     fn confirmed(&self, before: &Fitted, after: &Fitted) -> bool {
         let (before, after) = (self.judged(before), self.judged(after));
@@ -323,8 +305,8 @@ impl Search<'_> {
         }
         let inflation = (left / count).max(1.0);
         let excess = |cost: f64| (cost / count - 1.0).max(0.0);
-        gain > IMPROVED * 2.0 * (moved * inflation).sqrt()
-            && excess(left) <= LEFT_THERE * excess(left + gain).max(1.0 - 1.0 / COMPLETE)
+        gain > HELD_OUT * 2.0 * (moved * inflation).sqrt()
+            && excess(left) <= HELD_OUT_SHARE * excess(left + gain).max(1.0 - 1.0 / COMPLETE)
     }
 
     /// What a reader must know.
@@ -336,7 +318,7 @@ impl Search<'_> {
         ));
         if verdict == Verdict::NothingMissing && !complete {
             self.notes.push(format!(
-                "the law leaves {:.2} times the floor, no effect takes that away, and it is below {IN_DOUBT} of the force: such a force is not known well enough for a doubt",
+                "the law leaves {:.2} times the floor, no effect takes that away, and it is below {SERIES_OPEN} of the force: such a force is not known well enough for a doubt",
                 error.ratio()
             ));
         }

@@ -103,6 +103,16 @@ impl Change {
     }
 }
 
+/// Puts changes into a law; the unknowns that they bring.
+pub(crate) fn apply(changes: &[Change], law: &mut ModifiedLaw<f64>) -> Vec<Unknown> {
+    changes.iter().for_each(|change| law.set(change.hook, change.start));
+    let unknown = |change: &Change| {
+        let quantity = Quantity::Law(change.hook);
+        change.parameter.clone().map(|parameter| Unknown { quantity, parameter })
+    };
+    changes.iter().filter_map(unknown).collect()
+}
+
 /// One form of an effect in the contact.
 #[derive(Clone, Debug)]
 pub(crate) struct ContactForm {

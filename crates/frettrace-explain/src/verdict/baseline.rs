@@ -87,8 +87,7 @@ impl Search<'_> {
     /// A model fitted with the support force free around where it predicts; `None` where no second support is declared or the model
     /// has no answer.
     fn freed(&mut self, model: &Explained) -> Option<Explained> {
-        let runs: Vec<usize> = self.study.training.iter().chain(&self.study.held_out).copied().collect();
-        let support = SupportForce::new(&self.study, &model.fitted, &runs).ok()??;
+        let support = SupportForce::new(&self.study, &model.fitted, &self.study.all_runs()).ok()??;
         self.study.support = Some(Arc::new(support));
         self.study.polished(model).ok()
     }

@@ -1,8 +1,8 @@
 //! Standard deviations of recovered less answered force, bin by bin.
 
-use super::{ACCURACY, DRAWS, JUMP, NEAR, OpenRun};
+use super::{DRAWS, JUMP, NEAR, OpenRun};
 use crate::aperiodic::motion::Motion;
-use crate::series_fit::Series;
+use crate::series_fit::{ACCURACY, Series};
 use frettrace_friction::effects::ModifiedLaw;
 use nalgebra::DVector;
 use num_complex::Complex64;

@@ -3,13 +3,11 @@
 use super::{
     ALL_STEPS, COARSE, ENDED, FINE, Fitted, GLANCE, LOOKED, MODULATION, PART, QUICK_RUNS, SECOND_RUNS, Search,
 };
-use crate::Unknown;
 use crate::aperiodic::run::{OpenRun, Wave};
 use crate::aperiodic::wave;
 use crate::contact_search::few_of_each;
-use crate::effects::{ALL, ContactForm, Effect, Reach};
+use crate::effects::{ALL, ContactForm, Effect, Reach, apply};
 use crate::study::merge;
-use frettrace_forward::accelerations::Quantity;
 use frettrace_friction::effects::Hook;
 use rayon::prelude::*;
 
@@ -97,13 +95,7 @@ fn best_of_each(mut found: Vec<Fitted>) -> Vec<Fitted> {
 /// A fitted law with one more effect, at the values it starts from.
 fn with_form(current: &Fitted, (effect, form): (usize, &ContactForm), waves: &[Wave]) -> Fitted {
     let mut next = current.clone();
-    let mut added = Vec::new();
-    for change in &form.changes {
-        next.law.set(change.hook, change.start);
-        if let Some(parameter) = &change.parameter {
-            added.push(Unknown { quantity: Quantity::Law(change.hook), parameter: parameter.clone() });
-        }
-    }
+    let added = apply(&form.changes, &mut next.law);
     next.unknowns = merge(&current.unknowns, &added);
     next.effects.push(effect);
     next.added.push(added);

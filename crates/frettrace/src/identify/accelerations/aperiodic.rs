@@ -6,8 +6,8 @@
 //! force no better than to [`ACCURACY`].
 
 use crate::StudyError;
-use frettrace_explain::{Case, ExplainError, Series, Study};
-use frettrace_forward::accelerations::{AccelerationModel, Quantity, RunLines, Setting};
+use frettrace_explain::{Case, ExplainError, Series, Study, slip_receptance};
+use frettrace_forward::accelerations::{Quantity, RunLines, Setting};
 use frettrace_friction::effects::{Circumstance, Hook, ModifiedLaw};
 use frettrace_identify::contact::{Closure, ContactHistory};
 use frettrace_identify::{NoSolution, Parameter};
@@ -107,7 +107,7 @@ impl Record {
         let known: Vec<usize> =
             (2..measured.len()).step_by(2).filter(|&k| measured[k].norm() > KNOWN * deviation(k)).collect();
         let Some(&highest) = known.last() else { return Ok(None) };
-        let gain = receptance(study, setting, (series, highest))?;
+        let gain = slip_receptance(study.case, setting, (spacing(series), highest + 1))?;
         let spacing = spacing(series);
         let resistance = known.iter().map(|&k| -(gain[k].norm() * k as f64 * spacing).ln()).sum::<f64>();
         let resistance = (resistance / known.len() as f64).exp();
@@ -173,32 +173,6 @@ fn share_accuracy(measured: &[Complex64], bins: &mut [(usize, f64)]) {
 fn spacing(series: &Series) -> f64 {
     let kept = series.force.len() - Series::settling(series.force.len());
     std::f64::consts::TAU / (kept.max(1) as f64 * series.dt)
-}
-
-/// Slip that a unit of contact force takes, in every bin up to the highest.
-fn receptance(
-    study: &Study<'_>,
-    setting: &Setting,
-    (series, highest): (&Series, usize),
-) -> Result<Vec<Complex64>, ExplainError> {
-    let sensors = study.case.rig.sensors.len();
-    let bins = highest + 1;
-    let lines = RunLines {
-        omega: spacing(series),
-        preload: 1.0,
-        progress: 0.5,
-        worked: [0.5; 2],
-        force: vec![Complex64::ZERO; bins],
-        acceleration: vec![vec![Complex64::ZERO; bins]; sensors],
-        deviation: vec![vec![1.0; bins]; sensors],
-        base_phase: 0.0,
-        known_force: Vec::new(),
-        contact_order: highest,
-        samples: (4 * bins).next_power_of_two(),
-    };
-    let model = AccelerationModel::new(study.case.rig.clone(), vec![lines])?;
-    let found = model.balance(setting, &[0])?;
-    Ok(found.into_iter().next().map(|balance| balance.slip_gain).unwrap_or_default())
 }
 
 #[cfg(test)]
