@@ -248,7 +248,7 @@ impl Study<'_> {
             .filter_map(|(k, (_, form))| self.promise(form).map(|left| (left, k)))
             .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        few_of_each(&mut order, PROMISING, |k| forms[k].0);
+        few_of_each(&mut order, PROMISING, |k| (forms[k].0, ()));
         let base = merge(&self.structure_unknowns(), added);
         // The effect's own values first, then, where that comes near, the structure beside them.
         let own: Vec<(BalanceCandidate, &StructureForm)> = order

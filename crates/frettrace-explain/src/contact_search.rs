@@ -82,14 +82,30 @@ pub(crate) fn within_reach(criterion: f64, best: f64) -> bool {
 /// χ² per residual on the recovered contacts from which a law misses them, and other starts of it are tried.
 const POOR: f64 = 4.0;
 
-/// Keeps of a ranking the first few forms of each effect, `most` in all, and the first two of every effect: one of many forms leaves
-/// room for its rivals, and where a form has come in a few steps says little of where it ends.
-pub(crate) fn few_of_each(order: &mut Vec<(f64, usize)>, most: usize, effect: impl Fn(usize) -> usize) {
+/// Keeps of a ranking the first few forms of each effect, `most` in all, and two of every effect in any case, of different formulas
+/// where it has them: one of many forms leaves room for its rivals, where a form has come in a few steps says little of where it ends,
+/// and two starts of one formula often end in one place. `of` tells the effect of a form and its formula.
+pub(crate) fn few_of_each<F: PartialEq>(
+    order: &mut Vec<(f64, usize)>,
+    most: usize,
+    of: impl Fn(usize) -> (usize, F),
+) {
+    let mut certain = vec![Vec::new(); ALL.len()];
+    for apart in [true, false] {
+        for &(_, k) in &*order {
+            let (effect, formula) = of(k);
+            let chosen = &mut certain[effect];
+            let is_new = |&other: &usize| if apart { of(other).1 != formula } else { other != k };
+            if chosen.len() < CERTAIN && chosen.iter().all(is_new) {
+                chosen.push(k);
+            }
+        }
+    }
     let (mut looks, mut kept) = (vec![0; ALL.len()], 0);
     order.retain(|&(_, k)| {
-        let count = &mut looks[effect(k)];
-        *count += 1;
-        let keep = *count <= CERTAIN || *count <= LOOKS_OF_ONE && kept < most;
+        let (effect, _) = of(k);
+        let keep = certain[effect].contains(&k) || looks[effect] < LOOKS_OF_ONE && kept < most;
+        looks[effect] += usize::from(keep);
         kept += usize::from(keep);
         keep
     });
@@ -223,6 +239,18 @@ impl Study<'_> {
         recovered.fastest().unwrap_or(self.scales.velocity)
     }
 
+    /// Whether the law of a setting misses recovered contacts even where their lines count by their size: a search from it begins there.
+    fn is_far(&self, recovered: &Contacts, setting: &Setting, law_unknowns: &[Unknown]) -> bool {
+        // Where a rigid contact sticks it takes the recovered force: its χ² is no valley.
+        if setting.rigid {
+            return false;
+        }
+        let plain = ContactForm::new(Vec::new());
+        let softened = recovered.steady().softened();
+        self.contact_steps(&softened, setting, law_unknowns, (usize::MAX, &plain), (None, 0))
+            .is_none_or(|left| left.reduced > 1.0)
+    }
+
     /// Where the law of a setting ends on the recovered contacts from the best of some starts, or `first` where that is better.
     fn better_end(
         &self,
@@ -233,7 +261,10 @@ impl Study<'_> {
     ) -> Option<ContactCandidate> {
         let plain = ContactForm::new(Vec::new());
         let form = (usize::MAX, &plain);
+        let ended_first = Setting { law: first.law, modulation: first.modulation, ..setting.clone() };
         let quick = recovered.quick();
+        let is_far = self.is_far(recovered, &ended_first, law_unknowns);
+        let quick = if is_far { quick.softened() } else { quick };
         let begin = |law| {
             let setting = Setting { law, ..setting.clone() };
             self.contact_steps(&quick, &setting, law_unknowns, form, (None, BEGIN))
@@ -275,17 +306,23 @@ impl Study<'_> {
         lower.filter_map(at).map(|found| found.law).collect()
     }
 
-    /// The law of a setting, without a presliding range, fitted to the recovered contacts: to its end, and for each of some static
-    /// frictions below what it comes to.
+    /// The law of a setting fitted to the recovered contacts, from starts all about where its own leads to a poor end; one without a
+    /// presliding range also for each of some static frictions below what it comes to.
     ///
     /// # Errors
     /// [`ExplainError::Model`] where the structure cannot be built.
     pub fn laws_on_contacts(&self, setting: &Setting) -> Result<Vec<ModifiedLaw<f64>>, ExplainError> {
         let (unknowns, _) = Unknown::parted(&self.case.unknowns());
         let recovered = self.recovered(setting)?;
-        let Some(base) = self.contact_base(&recovered, setting, &unknowns) else { return Ok(Vec::new()) };
-        let fitted = Setting { law: base.law, ..setting.clone() };
-        Ok(std::iter::once(base.law).chain(self.breakaways(&recovered, &fitted, &unknowns)).collect())
+        let Some(base) = self.contact_base_from_many(&recovered, setting, &unknowns) else {
+            return Ok(Vec::new());
+        };
+        let mut laws = vec![base.law];
+        if setting.rigid {
+            let fitted = Setting { law: base.law, ..setting.clone() };
+            laws.extend(self.breakaways(&recovered, &fitted, &unknowns));
+        }
+        Ok(laws)
     }
 
     /// A form of an effect on the recovered contacts, fitted to its end: on what is quick to march first.
@@ -366,7 +403,9 @@ impl Study<'_> {
         };
         // A few steps for every form on what is quick to march, all steps on everything for the best. A law that misses the
         // contacts by far may be bent too much to show what it lacks: others stand beside it.
-        let quick = recovered.quick();
+        let is_far = reduced > POOR && self.is_far(recovered, setting, law_unknowns);
+        let at_first = |contacts: Contacts| if is_far { contacts.softened() } else { contacts };
+        let quick = at_first(recovered.quick());
         let mut laws = vec![setting.law];
         if reduced > POOR && law_unknowns.len() > 2 {
             laws.extend(starts(&setting.law, self.fastest(recovered), (recovered, setting.rigid)));
@@ -387,16 +426,19 @@ impl Study<'_> {
         let mut order: Vec<(f64, usize)> =
             glanced.iter().enumerate().map(|(place, (one, _))| (one.criterion, place)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        few_of_each(&mut order, LOOK, |place| forms[glanced[place].1].0);
+        few_of_each(&mut order, LOOK, |place| {
+            let (effect, form) = &forms[glanced[place].1];
+            (*effect, form.changes.iter().map(|change| change.hook).collect::<Vec<_>>())
+        });
         // Runs without a period, dear to march, join those that come near; what they cost the others is counted.
-        let steady = recovered.steady();
+        let steady = at_first(recovered.steady());
         let part: Vec<(ContactCandidate, usize)> =
             order.par_iter().filter_map(|&(_, place)| further(&steady, &glanced[place], PART)).collect();
         let best = part.iter().map(|(one, _)| one.criterion).fold(f64::INFINITY, f64::min);
-        let joined = steady.series.len() < recovered.series.len();
+        let apart = is_far || steady.series.len() < recovered.series.len();
         let end = |one: (ContactCandidate, usize)| {
             let near = within_reach(one.0.criterion, best);
-            match (near && (joined || one.0.open), joined) {
+            match (near && (apart || one.0.open), apart) {
                 (true, _) => {
                     let recovered = recovered.around(&one.0.law, one.0.modulation);
                     further(&recovered, &one, ALL_STEPS - PART).unwrap_or(one)
@@ -408,7 +450,7 @@ impl Study<'_> {
         let mut looked: Vec<(ContactCandidate, usize)> = part.into_par_iter().map(end).collect();
         looked.sort_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
         let again = if looked.first().is_some_and(|(c, _)| !c.meets()) && law_unknowns.len() > 2 {
-            self.contact_restarts(recovered, setting, law_unknowns, &looked, &forms)
+            self.contact_restarts((recovered, &quick), setting, law_unknowns, &looked, &forms)
         } else {
             Vec::new()
         };
@@ -434,14 +476,13 @@ impl Study<'_> {
     /// come back with it.
     fn contact_restarts(
         &self,
-        recovered: &Contacts,
+        (recovered, quick): (&Contacts, &Contacts),
         setting: &Setting,
         law_unknowns: &[Unknown],
         looked: &[(ContactCandidate, usize)],
         forms: &[(usize, ContactForm)],
     ) -> Vec<ContactCandidate> {
         let others = starts(&setting.law, self.fastest(recovered), (recovered, setting.rigid));
-        let quick = recovered.quick();
         let steps = |recovered: &Contacts,
                      k: usize,
                      law: ModifiedLaw<f64>,
@@ -454,7 +495,7 @@ impl Study<'_> {
             .par_iter()
             .take(AGAIN)
             .flat_map(|(_, k)| others.par_iter().map(|law| (*k, *law)))
-            .filter_map(|(k, law)| Some((steps(&quick, k, law, (None, BEGIN))?, k)))
+            .filter_map(|(k, law)| Some((steps(quick, k, law, (None, BEGIN))?, k)))
             .collect();
         begun.sort_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
         let ended = |(one, k): &(ContactCandidate, usize)| {
@@ -462,5 +503,25 @@ impl Study<'_> {
             steps(&recovered, *k, one.law, (Some(one), ALL_STEPS))
         };
         begun.par_iter().take(AGAIN).filter_map(ended).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::few_of_each;
+
+    /// Three starts of one formula come first and one of another formula of the same effect last: that one stays in the place of the
+    /// second start, whatever else is looked at. Where all looks are given away already, an effect keeps its two.
+    #[test]
+    fn another_formula_of_an_effect_is_looked_at() {
+        let of = |k: usize| [(0, 'a'), (0, 'a'), (0, 'a'), (1, 'a'), (1, 'a'), (0, 'b')][k];
+        let ranked = || (0..6).map(|k| (k as f64, k)).collect::<Vec<_>>();
+        let kept = |most: usize| {
+            let mut order = ranked();
+            few_of_each(&mut order, most, of);
+            order.into_iter().map(|(_, k)| k).collect::<Vec<_>>()
+        };
+        assert_eq!(kept(0), [0, 3, 4, 5]);
+        assert_eq!(kept(8), [0, 1, 2, 3, 4, 5]);
     }
 }

@@ -221,7 +221,7 @@ impl<'a> Study<'a> {
     ///
     /// # Errors
     /// [`ExplainError::Model`] where the grid cannot carry the lines.
-    pub(crate) fn resolved(&self, fitted: &Fitted) -> Result<Option<Self>, ExplainError> {
+    pub fn resolved(&self, fitted: &Fitted) -> Result<Option<Self>, ExplainError> {
         let Some(finer) = self.refined()? else { return Ok(None) };
         let all = self.all_runs();
         let [coarse, fine] = [self, &finer].map(|study| study.predictions(fitted, &all));

@@ -36,6 +36,15 @@ use std::sync::Arc;
 /// Name, unit, value and standard deviation.
 pub type Value = (String, String, f64, f64);
 
+/// What the errors of an outcome are errors of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ErrorOf {
+    /// The recovered contact force, against the law's answer to the recovered motion.
+    Force,
+    /// The accelerations, as the balance has them.
+    Accelerations,
+}
+
 /// What came of an explanation of runs without a period.
 #[derive(Clone, Debug)]
 pub struct WholeOutcome {
@@ -49,8 +58,10 @@ pub struct WholeOutcome {
     pub laws: [Vec<Value>; 2],
     /// All candidates, best first.
     pub tried: Vec<Tried>,
-    /// Errors of the force of the training runs, before and after.
+    /// Errors of the training runs, before and after.
     pub error: [RunError; 2],
+    /// What they and those of the held-out runs are errors of.
+    pub error_of: ErrorOf,
     /// The same of the held-out runs.
     pub held_out: Option<[RunError; 2]>,
     /// Indices of the training and of the held-out runs.
@@ -143,6 +154,7 @@ pub fn with_base_motion(
     };
     outcome.error = of(&outcome.runs[0]);
     outcome.held_out = outcome.held_out.map(|_| of(&outcome.runs[1]));
+    outcome.error_of = ErrorOf::Accelerations;
     outcome
 }
 
@@ -233,6 +245,7 @@ fn open(case: &Case, found: balance::Open, recovered: &[(usize, &WholeRun)]) -> 
         laws: Default::default(),
         tried: Vec::new(),
         error: [error; 2],
+        error_of: ErrorOf::Accelerations,
         held_out: None,
         runs: [recovered.iter().map(|run| run.0).collect(), Vec::new()],
         notes: vec![found.note],
@@ -275,6 +288,7 @@ fn outcome(mut search: Search<'_>, (baseline, model): (Fitted, Fitted)) -> Whole
             .map(|&(effect, evidence)| Tried { id: ALL[effect].id(), error: f64::NAN, evidence })
             .collect(),
         error: [error[0], error[after]],
+        error_of: ErrorOf::Force,
         held_out: (!search.held_out.is_empty()).then(|| [held[0], held[after]]),
         runs: [&search.training, &search.held_out].map(|runs| runs.iter().map(|run| run.index).collect()),
         notes: search.notes,

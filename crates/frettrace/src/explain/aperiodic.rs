@@ -1,11 +1,11 @@
 //! Files of which no run is periodic, or next to none: the contact recovered over the whole spectrum is judged.
 
-use super::{ExplainOptions, Found, estimates};
+use super::{ExplainOptions, Found, estimates, summary};
 use crate::reconstruct::{FormChoice, ReconstructOptions, reconstruct};
 use crate::results::{ErrorSummary, Explanation, Identification, NoiseFloorSource};
 use crate::{Progress, StudyError, case};
 use frettrace_explain::aperiodic::{
-    BaseTone, Motion, Value, WholeOutcome, WholeRun, base_tone, explain_whole, with_base_motion,
+    BaseTone, ErrorOf, Motion, Value, WholeOutcome, WholeRun, base_tone, explain_whole, with_base_motion,
 };
 use frettrace_explain::{Case, RunError};
 use frettrace_fourier::Harmonics;
@@ -157,14 +157,14 @@ fn explanation(measurement: &Measurement, options: &ExplainOptions, outcome: &Wh
         parameters: estimates(values),
         ..Identification::default()
     };
+    let summary = match outcome.error_of {
+        ErrorOf::Force => of_force,
+        ErrorOf::Accelerations => summary,
+    };
     found.explanation((measurement, options), summary, outcome.laws.each_ref().map(side))
 }
 
-fn summary(error: &RunError, source: NoiseFloorSource) -> ErrorSummary {
-    ErrorSummary {
-        force: Some(error.relative()),
-        acceleration: None,
-        noise_floor: error.relative_floor(),
-        noise_floor_source: source,
-    }
+fn of_force(error: &RunError, source: NoiseFloorSource) -> ErrorSummary {
+    let of_accelerations = summary(error, source);
+    ErrorSummary { force: of_accelerations.acceleration, acceleration: None, ..of_accelerations }
 }

@@ -28,7 +28,7 @@ impl Search<'_> {
         let mut order: Vec<(f64, usize)> =
             looked.iter().enumerate().map(|(place, one)| (one.cost + one.values, place)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let of = |place: usize| looked[place].effects.last().copied().unwrap_or_default();
+        let of = |place: usize| (looked[place].effects.last().copied().unwrap_or_default(), ());
         few_of_each(&mut order, LOOKED, of);
         order.truncate(LOOKED);
         let near: Vec<Fitted> = order.into_iter().map(|(_, place)| looked[place].clone()).collect();

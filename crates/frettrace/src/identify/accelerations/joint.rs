@@ -34,7 +34,7 @@ const POLISH: usize = 40;
 /// times less, of the loudest.
 const COARSE: usize = 64;
 const COARSE_ACCURACY: f64 = 3e-3;
-/// χ² per residual above which the fit of a rigid contact gets a finer phase grid, each twice as fine as the one before, and how many.
+/// χ² per residual above which a fit gets a finer phase grid, each twice as fine as the one before, and how many.
 const RESOLVED: f64 = 1.05;
 const MOST_REFINED: usize = 3;
 /// Times that the force of a second support is fitted anew beside law and structure.
@@ -104,20 +104,26 @@ pub(super) fn fit(
     Ok(found)
 }
 
-/// The fit on finer phase grids, where that of a rigid contact leaves more than the noise: its corners of stick and slip send their
-/// force to every line, and a grid that cuts them short bends the law.
+/// The fit on finer phase grids, where it leaves more than the noise: corners of stick and slip send their force to every line, and a
+/// grid that cuts them short bends the law. A rigid contact has them in every run, one that yields in the runs that change.
 fn refined(study: &mut Study<'_>, mut fitted: Fitted) -> Fitted {
     let enough = RESOLVED * study.residual_count() as f64;
     for _ in 0..MOST_REFINED {
-        if !fitted.setting.holds_rigidly() || fitted.fit.data_cost <= enough {
+        if fitted.fit.data_cost <= enough {
             break;
         }
-        let Ok(Some(mut finer)) = study.refined() else { break };
+        let rigid = fitted.setting.holds_rigidly();
+        let finer = if rigid { study.refined() } else { study.resolved(&fitted) };
+        let Ok(Some(mut finer)) = finer else { break };
         let found = finer.fit(fitted.setting.clone(), &fitted.unknowns, &finer.model.memory(), POLISH);
         let Some(found) = found.ok().filter(|found| found.fit.cost < fitted.fit.cost) else { break };
-        finer.doubt_grid(study, &found);
-        let doubted = finer.fit(found.setting.clone(), &found.unknowns, &found.memory, POLISH);
-        (*study, fitted) = (finer, doubted.unwrap_or(found));
+        fitted = found;
+        if rigid {
+            finer.doubt_grid(study, &fitted);
+            let doubted = finer.fit(fitted.setting.clone(), &fitted.unknowns, &fitted.memory, POLISH);
+            fitted = doubted.unwrap_or(fitted);
+        }
+        *study = finer;
     }
     fitted
 }
@@ -238,7 +244,7 @@ fn fit_training(study: &mut Study<'_>, starts: &[Setting]) -> Result<Fitted, Stu
         return Ok(first?);
     }
     let rigid = starts[0].holds_rigidly();
-    let on_contacts = if rigid { study.laws_on_contacts(&starts[0])? } else { Vec::new() };
+    let on_contacts = study.laws_on_contacts(&starts[0])?;
     let on_contacts: Vec<Setting> =
         on_contacts.into_iter().map(|law| Setting { law, ..starts[0].clone() }).collect();
     let softer = if rigid { Vec::new() } else { softer(&starts[0]) };

@@ -18,7 +18,7 @@ const SLIDING: f64 = 0.1;
 const MORE_FRICTION: f64 = 1.3;
 /// Difference of χ² that a limit which touches the noise may gain: that of five standard deviations.
 const LIKE: f64 = 25.0;
-/// No accelerometer and no load cell keeps its calibration from run to run better than to this share.
+/// No accelerometer and no load cell is calibrated better than to this share, which is the same for all runs.
 const CALIBRATION: f64 = 5e-4;
 /// No two models of the same beam and contact agree better than to this share of a parameter.
 const ACCURACY: f64 = 5e-4;
@@ -57,7 +57,9 @@ pub(super) fn judged(
     let tests: Vec<Vec<GroupTest>> = tests.collect();
     let held: Vec<(usize, f64)> = (fitted.unknowns.len()..unknowns.len()).map(|k| (k, CALIBRATION)).collect();
     widen_by_groups(&problem, &fit, &mut identified, &sizes);
-    widen_by_held(&problem, &fit, &mut identified, &Held { parameters: &held, sizes: &sizes });
+    // A calibration is that of the sensor, in all runs: what they have in common does not tell them apart.
+    let of_all = [sizes.iter().sum()];
+    widen_by_held(&problem, &fit, &mut identified, &Held { parameters: &held, sizes: &of_all });
     widen_to_accuracy(&problem, &mut identified, ACCURACY.hypot(found.normal_doubt));
     let mut cut = 0.0;
     if let Some(change) = truncation(study, fitted) {
