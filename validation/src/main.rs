@@ -63,6 +63,9 @@ enum Table {
         /// The file
         #[arg(short, long)]
         output: PathBuf,
+        /// As the sensors of a laboratory's calibration would have recorded it, which `coverage` asks `identify` about
+        #[arg(long)]
+        calibrated: bool,
         #[command(flatten)]
         drawn: Drawn,
     },
@@ -157,9 +160,12 @@ fn run_table(table: &Table) -> anyhow::Result<String> {
         Table::Judge { name, drawn } => {
             Ok(serde_json::to_string(&judge(&drawn.set(name)?, || println!("{MADE}")))? + "\n")
         }
-        Table::Set { name, output, drawn } => {
+        Table::Set { name, output, calibrated, drawn } => {
             let planned = drawn.set(name)?;
-            let made = make(&planned)?.simulation;
+            let mut made = make(&planned)?.simulation;
+            if *calibrated {
+                made.measurement = coverage::calibrated(made.measurement, planned.seed);
+            }
             write_measurement(output, &made.measurement, Some(&made.truth))?;
             Ok(format!("{planned:#?}\n"))
         }

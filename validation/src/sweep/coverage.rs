@@ -135,7 +135,8 @@ fn histories(made: &Made, covered: &mut Covered) -> anyhow::Result<()> {
 }
 
 /// What sensors of a laboratory's calibration would have recorded, and the preload as its load cell reads it.
-fn calibrated(mut measurement: Measurement, seed: u64) -> Measurement {
+#[must_use]
+pub fn calibrated(mut measurement: Measurement, seed: u64) -> Measurement {
     // The rig was drawn from the seed itself.
     let mut random = Pcg64::seed_from_u64(!seed);
     let mut draw =

@@ -116,12 +116,11 @@ fn intervals(problem: &Problem<'_>, fit: &Fit, unknowns: &[Unknown]) -> Result<I
     Ok(identify(problem, fit, &settings)?)
 }
 
-/// Whether the Stribeck curve may still fall beyond the fastest sliding: its velocity is not bounded below that.
+/// Whether the Stribeck curve may still fall beyond the fastest sliding: its velocity is not bounded below that, or not at all.
 fn reaches_no_sliding(study: &Study<'_>, fitted: &Fitted, identified: &Identified) -> bool {
     let place = fitted.unknowns.iter().position(|u| u.quantity == Quantity::Law(Hook::StribeckVelocity));
     place.is_some_and(|place| {
-        let velocity = &identified.parameters[place];
-        velocity.interval95.map_or(velocity.value, |(_, high)| high) > study.scales.velocity
+        identified.parameters[place].interval95.is_none_or(|(_, high)| high > study.scales.velocity)
     })
 }
 
