@@ -82,23 +82,21 @@ pub(crate) fn within_reach(criterion: f64, best: f64) -> bool {
 /// χ² per residual on the recovered contacts from which a law misses them, and other starts of it are tried.
 const POOR: f64 = 4.0;
 
-/// Keeps of a ranking the first few forms of each effect, `most` in all, and two of every effect in any case, of different formulas
-/// where it has them: one of many forms leaves room for its rivals, where a form has come in a few steps says little of where it ends,
-/// and two starts of one formula often end in one place. `of` tells the effect of a form and its formula.
+/// Keeps of a ranking the first few forms of each effect, `most` in all, and in any case the first two of every effect and the first
+/// of another formula than theirs: one of many forms leaves room for its rivals, where a form has come in a few steps says little of
+/// where it ends, and all starts of one formula may come before the right one. `of` tells the effect of a form and its formula.
 pub(crate) fn few_of_each<F: PartialEq>(
     order: &mut Vec<(f64, usize)>,
     most: usize,
     of: impl Fn(usize) -> (usize, F),
 ) {
     let mut certain = vec![Vec::new(); ALL.len()];
-    for apart in [true, false] {
-        for &(_, k) in &*order {
-            let (effect, formula) = of(k);
-            let chosen = &mut certain[effect];
-            let is_new = |&other: &usize| if apart { of(other).1 != formula } else { other != k };
-            if chosen.len() < CERTAIN && chosen.iter().all(is_new) {
-                chosen.push(k);
-            }
+    for &(_, k) in &*order {
+        let (effect, formula) = of(k);
+        let chosen = &mut certain[effect];
+        let is_new = || chosen.len() == CERTAIN && chosen.iter().all(|&other| of(other).1 != formula);
+        if chosen.len() < CERTAIN || is_new() {
+            chosen.push(k);
         }
     }
     let (mut looks, mut kept) = (vec![0; ALL.len()], 0);
@@ -240,7 +238,7 @@ impl Study<'_> {
     }
 
     /// Whether the law of a setting misses recovered contacts even where their lines count by their size: a search from it begins there.
-    fn is_far(&self, recovered: &Contacts, setting: &Setting, law_unknowns: &[Unknown]) -> bool {
+    pub(crate) fn is_far(&self, recovered: &Contacts, setting: &Setting, law_unknowns: &[Unknown]) -> bool {
         // Where a rigid contact sticks it takes the recovered force: its χ² is no valley.
         if setting.rigid {
             return false;
@@ -261,10 +259,7 @@ impl Study<'_> {
     ) -> Option<ContactCandidate> {
         let plain = ContactForm::new(Vec::new());
         let form = (usize::MAX, &plain);
-        let ended_first = Setting { law: first.law, modulation: first.modulation, ..setting.clone() };
         let quick = recovered.quick();
-        let is_far = self.is_far(recovered, &ended_first, law_unknowns);
-        let quick = if is_far { quick.softened() } else { quick };
         let begin = |law| {
             let setting = Setting { law, ..setting.clone() };
             self.contact_steps(&quick, &setting, law_unknowns, form, (None, BEGIN))
@@ -378,10 +373,10 @@ impl Study<'_> {
     }
 
     /// Every effect of the contact on the recovered contacts, best first, one form each; `reduced` is the χ² per residual that the
-    /// law of the setting leaves there.
+    /// law of the setting leaves there. The search may begin on softened lines.
     pub(crate) fn contact_candidates(
         &self,
-        recovered: &Contacts,
+        (recovered, softened): (&Contacts, bool),
         setting: &Setting,
         law_unknowns: &[Unknown],
         (taken, reduced): (&[usize], f64),
@@ -394,63 +389,15 @@ impl Study<'_> {
                 effect.contact_forms(&setting.law, &self.scales).into_iter().map(move |form| (index, form))
             })
             .collect();
-        let further = |recovered: &Contacts, (candidate, k): &(ContactCandidate, usize), most: usize| {
-            let (index, form) = &forms[*k];
-            let setting = Setting { law: candidate.law, ..setting.clone() };
-            let from = Some(candidate);
-            self.contact_steps(recovered, &setting, law_unknowns, (*index, form), (from, most))
-                .map(|found| (found, *k))
-        };
-        // A few steps for every form on what is quick to march, all steps on everything for the best. A law that misses the
-        // contacts by far may be bent too much to show what it lacks: others stand beside it.
-        let is_far = reduced > POOR && self.is_far(recovered, setting, law_unknowns);
-        let at_first = |contacts: Contacts| if is_far { contacts.softened() } else { contacts };
-        let quick = at_first(recovered.quick());
+        // A law that misses the contacts by far may be bent too much to show what it lacks: others stand beside it.
         let mut laws = vec![setting.law];
         if reduced > POOR && law_unknowns.len() > 2 {
             laws.extend(starts(&setting.law, self.fastest(recovered), (recovered, setting.rigid)));
         }
-        let begun = |k: usize| -> Vec<(ContactCandidate, usize)> {
-            let (index, form) = &forms[k];
-            let from = |law: &ModifiedLaw<f64>| {
-                let setting = Setting { law: *law, ..setting.clone() };
-                self.contact_steps(&quick, &setting, law_unknowns, (*index, form), (None, FIRST))
-            };
-            let mut found: Vec<ContactCandidate> = laws.par_iter().filter_map(from).collect();
-            found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
-            found.truncate(STARTS_OF_ONE);
-            found.into_iter().filter_map(|one| further(&quick, &(one, k), GLANCE)).collect()
-        };
-        let glanced: Vec<(ContactCandidate, usize)> =
-            (0..forms.len()).into_par_iter().flat_map_iter(begun).collect();
-        let mut order: Vec<(f64, usize)> =
-            glanced.iter().enumerate().map(|(place, (one, _))| (one.criterion, place)).collect();
-        order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        few_of_each(&mut order, LOOK, |place| {
-            let (effect, form) = &forms[glanced[place].1];
-            (*effect, form.changes.iter().map(|change| change.hook).collect::<Vec<_>>())
-        });
-        // Runs without a period, dear to march, join those that come near; what they cost the others is counted.
-        let steady = at_first(recovered.steady());
-        let part: Vec<(ContactCandidate, usize)> =
-            order.par_iter().filter_map(|&(_, place)| further(&steady, &glanced[place], PART)).collect();
-        let best = part.iter().map(|(one, _)| one.criterion).fold(f64::INFINITY, f64::min);
-        let apart = is_far || steady.series.len() < recovered.series.len();
-        let end = |one: (ContactCandidate, usize)| {
-            let near = within_reach(one.0.criterion, best);
-            match (near && (apart || one.0.open), apart) {
-                (true, _) => {
-                    let recovered = recovered.around(&one.0.law, one.0.modulation);
-                    further(&recovered, &one, ALL_STEPS - PART).unwrap_or(one)
-                }
-                (false, true) => further(recovered, &one, 0).unwrap_or(one),
-                (false, false) => one,
-            }
-        };
-        let mut looked: Vec<(ContactCandidate, usize)> = part.into_par_iter().map(end).collect();
-        looked.sort_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
-        let again = if looked.first().is_some_and(|(c, _)| !c.meets()) && law_unknowns.len() > 2 {
-            self.contact_restarts((recovered, &quick), setting, law_unknowns, &looked, &forms)
+        let meets = |looked: &[(ContactCandidate, usize)]| looked.first().is_some_and(|(c, _)| c.meets());
+        let looked = self.looked((recovered, softened), setting, law_unknowns, (&laws, &forms));
+        let again = if !meets(&looked) && law_unknowns.len() > 2 {
+            self.contact_restarts((recovered, softened), setting, law_unknowns, &looked, &forms)
         } else {
             Vec::new()
         };
@@ -472,17 +419,80 @@ impl Study<'_> {
         best
     }
 
+    /// The best forms on the recovered contacts, best first: a few steps for every form from every law on what is quick to march, all steps
+    /// on everything for the best. The first of these may be on softened lines; what all cost at their end is that of the lines as they are.
+    fn looked(
+        &self,
+        (recovered, softened): (&Contacts, bool),
+        setting: &Setting,
+        law_unknowns: &[Unknown],
+        (laws, forms): (&[ModifiedLaw<f64>], &[(usize, ContactForm)]),
+    ) -> Vec<(ContactCandidate, usize)> {
+        let further = |recovered: &Contacts, (candidate, k): &(ContactCandidate, usize), most: usize| {
+            let (index, form) = &forms[*k];
+            let setting = Setting { law: candidate.law, ..setting.clone() };
+            let from = Some(candidate);
+            self.contact_steps(recovered, &setting, law_unknowns, (*index, form), (from, most))
+                .map(|found| (found, *k))
+        };
+        let at_first = |contacts: Contacts| if softened { contacts.softened() } else { contacts };
+        // A bowl leads on for longer than a valley.
+        let glance = if softened { BEGIN } else { GLANCE };
+        let quick = at_first(recovered.quick());
+        let begun = |k: usize| -> Vec<(ContactCandidate, usize)> {
+            let (index, form) = &forms[k];
+            let from = |law: &ModifiedLaw<f64>| {
+                let setting = Setting { law: *law, ..setting.clone() };
+                self.contact_steps(&quick, &setting, law_unknowns, (*index, form), (None, FIRST))
+            };
+            let mut found: Vec<ContactCandidate> = laws.par_iter().filter_map(from).collect();
+            found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+            found.truncate(STARTS_OF_ONE);
+            found.into_iter().filter_map(|one| further(&quick, &(one, k), glance)).collect()
+        };
+        let glanced: Vec<(ContactCandidate, usize)> =
+            (0..forms.len()).into_par_iter().flat_map_iter(begun).collect();
+        let mut order: Vec<(f64, usize)> =
+            glanced.iter().enumerate().map(|(place, (one, _))| (one.criterion, place)).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        few_of_each(&mut order, LOOK, |place| {
+            let (effect, form) = &forms[glanced[place].1];
+            (*effect, form.changes.iter().map(|change| change.hook).collect::<Vec<_>>())
+        });
+        // Runs without a period, dear to march, join those that come near; what they cost the others is counted.
+        let steady = at_first(recovered.steady());
+        let part: Vec<(ContactCandidate, usize)> =
+            order.par_iter().filter_map(|&(_, place)| further(&steady, &glanced[place], PART)).collect();
+        let best = part.iter().map(|(one, _)| one.criterion).fold(f64::INFINITY, f64::min);
+        let apart = softened || steady.series.len() < recovered.series.len();
+        let end = |one: (ContactCandidate, usize)| {
+            let near = within_reach(one.0.criterion, best);
+            match (near && (apart || one.0.open), apart) {
+                (true, _) => {
+                    let recovered = recovered.around(&one.0.law, one.0.modulation);
+                    further(&recovered, &one, ALL_STEPS - PART).unwrap_or(one)
+                }
+                (false, true) => further(recovered, &one, 0).unwrap_or(one),
+                (false, false) => one,
+            }
+        };
+        let mut looked: Vec<(ContactCandidate, usize)> = part.into_par_iter().map(end).collect();
+        looked.sort_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
+        looked
+    }
+
     /// The best forms from other starts of the law: a law of many values that lacked an effect may have been bent too far to
     /// come back with it.
     fn contact_restarts(
         &self,
-        (recovered, quick): (&Contacts, &Contacts),
+        (recovered, softened): (&Contacts, bool),
         setting: &Setting,
         law_unknowns: &[Unknown],
         looked: &[(ContactCandidate, usize)],
         forms: &[(usize, ContactForm)],
     ) -> Vec<ContactCandidate> {
         let others = starts(&setting.law, self.fastest(recovered), (recovered, setting.rigid));
+        let quick = if softened { recovered.quick().softened() } else { recovered.quick() };
         let steps = |recovered: &Contacts,
                      k: usize,
                      law: ModifiedLaw<f64>,
@@ -495,7 +505,7 @@ impl Study<'_> {
             .par_iter()
             .take(AGAIN)
             .flat_map(|(_, k)| others.par_iter().map(|law| (*k, *law)))
-            .filter_map(|(k, law)| Some((steps(quick, k, law, (None, BEGIN))?, k)))
+            .filter_map(|(k, law)| Some((steps(&quick, k, law, (None, BEGIN))?, k)))
             .collect();
         begun.sort_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
         let ended = |(one, k): &(ContactCandidate, usize)| {
@@ -510,8 +520,8 @@ impl Study<'_> {
 mod tests {
     use super::few_of_each;
 
-    /// Three starts of one formula come first and one of another formula of the same effect last: that one stays in the place of the
-    /// second start, whatever else is looked at. Where all looks are given away already, an effect keeps its two.
+    /// Three starts of one formula come first and one of another formula of the same effect last: that one stays whatever else is looked
+    /// at. Where no looks are left, an effect keeps its first two and that one.
     #[test]
     fn another_formula_of_an_effect_is_looked_at() {
         let of = |k: usize| [(0, 'a'), (0, 'a'), (0, 'a'), (1, 'a'), (1, 'a'), (0, 'b')][k];
@@ -521,7 +531,7 @@ mod tests {
             few_of_each(&mut order, most, of);
             order.into_iter().map(|(_, k)| k).collect::<Vec<_>>()
         };
-        assert_eq!(kept(0), [0, 3, 4, 5]);
+        assert_eq!(kept(0), [0, 1, 3, 4, 5]);
         assert_eq!(kept(8), [0, 1, 2, 3, 4, 5]);
     }
 }

@@ -13,6 +13,9 @@ use rayon::prelude::*;
 const BEST: usize = 3;
 /// … and those where none meets the recovered contacts, χ² per residual of the best above this, for whom χ² is within this factor of it.
 const MORE: usize = 6;
+/// The same where the recovered force tells none from another: that of a rigid contact is known to where its jumps lie, and a law that
+/// meets it leaves less than one a residual.
+const ALL_ABOUT: usize = 10;
 const UNMET: f64 = 1.5;
 const BESIDE: f64 = 1.5;
 /// A model is complete where its error stays within this factor of the noise, over all training runs …
@@ -255,11 +258,12 @@ impl Study<'_> {
             declared.iter().filter(|u| !matches!(u.quantity, Quantity::Law(_))).cloned().collect();
         let best = candidates.first().map_or(0.0, |c| c.criterion);
         let unmet = candidates.first().is_some_and(|c| c.reduced > UNMET);
-        let taken = candidates
-            .iter()
-            .enumerate()
-            .filter(|(place, one)| *place < BEST || unmet && one.criterion < BESIDE * best)
-            .take(MORE);
+        let blurred = from.fitted.setting.rigid && candidates.first().is_some_and(|c| c.reduced < 1.0);
+        let is_taken = |place: usize, one: &ContactCandidate| {
+            let most = if blurred { ALL_ABOUT } else { MORE };
+            place < BEST || place < most && (blurred || unmet && one.criterion < BESIDE * best)
+        };
+        let taken = candidates.iter().enumerate().filter(|(place, one)| is_taken(*place, one));
         let taken: Vec<&ContactCandidate> = taken.map(|(_, one)| one).collect();
         let mut tried: Vec<Explained> = taken
             .into_par_iter()

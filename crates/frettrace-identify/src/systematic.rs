@@ -91,17 +91,31 @@ pub fn correct_by<M: Model>(model: &M, fit: &Fit, identified: &mut Identified, c
     identified.add_covariance(&covariance, model.parameters());
 }
 
-/// Widens the intervals of all free parameters without a prior by a relative accuracy of the model itself.
-pub fn widen_to_accuracy<M: Model>(model: &M, identified: &mut Identified, accuracy: f64) {
-    let count = identified.parameters.len();
-    let mut covariance = DMatrix::zeros(count, count);
-    for (j, parameter) in model.parameters().iter().enumerate() {
-        if parameter.prior.is_none() && identified.covariance[(j, j)] > 0.0 {
+/// Widens the intervals of all free parameters without a prior by a relative accuracy of the model itself, `C_jj += σ_j²` with
+/// `σ_j = accuracy · p_j / p_j′(c_j)`.
+///
+/// What those of `together` miss is one factor that they have in common, `C_jk += σ_j σ_k`: coefficients of friction and of stiffness
+/// per normal force are all off by what the load cell is, and so is their sum.
+pub fn widen_to_accuracy<M: Model>(
+    model: &M,
+    identified: &mut Identified,
+    accuracy: f64,
+    together: &[usize],
+) {
+    let sizes: Vec<f64> = model
+        .parameters()
+        .iter()
+        .enumerate()
+        .map(|(j, parameter)| {
+            let is_free = parameter.prior.is_none() && identified.covariance[(j, j)] > 0.0;
             let value = identified.parameters[j].value;
-            let slope = parameter.transform.slope(value);
-            covariance[(j, j)] = (accuracy * value / slope).powi(2);
-        }
-    }
+            if is_free { accuracy * value / parameter.transform.slope(value) } else { 0.0 }
+        })
+        .collect();
+    let covariance = DMatrix::from_fn(sizes.len(), sizes.len(), |j, k| {
+        let is_shared = j == k || together.contains(&j) && together.contains(&k);
+        if is_shared { sizes[j] * sizes[k] } else { 0.0 }
+    });
     identified.add_covariance(&covariance, model.parameters());
 }
 

@@ -52,7 +52,12 @@ impl Search<'_> {
         self.calibrated(setting, &structural)
     }
 
-    fn contact_round(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {
+    /// The best effect of the contact with the whole model. The search may begin on softened lines, where the law misses even those.
+    fn contact_round(
+        &mut self,
+        current: &Explained,
+        softened: bool,
+    ) -> Result<Option<Explained>, ExplainError> {
         let unknowns = merge(&self.study.case.unknowns(), &current.added);
         let (law, _) = Unknown::parted(&unknowns);
         let mut setting = self.unbent(current);
@@ -70,9 +75,12 @@ impl Search<'_> {
         if let Some(base) = &base {
             setting.law = base.law;
         }
+        if softened && !self.study.is_far(&recovered, &setting, &law) {
+            return Ok(None);
+        }
         let reduced = base.as_ref().map_or(f64::INFINITY, |base| base.reduced);
         let taken = (&current.effects[..], reduced);
-        let mut candidates = self.study.contact_candidates(&recovered, &setting, &law, taken);
+        let mut candidates = self.study.contact_candidates((&recovered, softened), &setting, &law, taken);
         self.tried.extend(candidates.iter().map(|c| Tried {
             id: ALL[c.effect].id(),
             error: f64::NAN,
@@ -86,9 +94,30 @@ impl Search<'_> {
         Ok(self.take_best(current, found))
     }
 
-    /// A round over the contact, fitted to its end.
+    /// A round over the contact, fitted to its end; where that does not complete the model and the law is far from the contacts, the same
+    /// from softened lines.
     pub(super) fn contact(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {
-        let found = self.contact_round(current)?.map(|found| self.further(found, current.excess()));
+        let before = self.clone();
+        let found = self.contact_to_its_end(current, false)?;
+        if found.as_ref().is_some_and(Explained::complete) {
+            return Ok(found);
+        }
+        let mut other = before;
+        match other.contact_to_its_end(current, true)? {
+            Some(complete) if complete.complete() => {
+                *self = other;
+                Ok(Some(complete))
+            }
+            _ => Ok(found),
+        }
+    }
+
+    fn contact_to_its_end(
+        &mut self,
+        current: &Explained,
+        softened: bool,
+    ) -> Result<Option<Explained>, ExplainError> {
+        let found = self.contact_round(current, softened)?.map(|found| self.further(found, current.excess()));
         Ok(found.map(|found| self.shaped(found, current.excess())))
     }
 }

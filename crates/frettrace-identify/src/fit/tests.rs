@@ -275,22 +275,23 @@ fn sum_and_part(parameters: [Parameter; 2]) -> Pair {
 }
 
 /// `b` is known to a standard deviation of 1 %. With an accuracy of a quarter on top its half interval is 49 %, more than the 35 % of
-/// what counts as known; with one of a tenth it is 20 %. That of the sum is `1.96 √(1² + 0.1²)/1.1 = 1.8` times the accuracy.
+/// what counts as known; with one of a tenth it is 20 %. That of the sum is `1.96 √(1² + 0.1²)/1.1 = 1.8` times the accuracy, and
+/// 1.96 times where both are off by one factor.
 #[test]
 fn what_widening_leaves_too_wide_is_not_identifiable() {
     let parameter = |name: &str| Parameter::positive(name, "m", (1e-6, 1e6)).told_by("weigh them");
     let model = sum_and_part([parameter("a"), parameter("b")]);
     let fit = fit(&model, &[1.0, 0.2], &FitSettings::default()).unwrap();
     let widest = IdentifySettings::default().widest;
-    let settled = |accuracy: f64| {
+    let settled = |accuracy: f64, together: &[usize]| {
         let mut identified = identify(&model, &fit, &IdentifySettings::default()).unwrap();
         assert!(identified.parameters.iter().all(IdentifiedParameter::is_identifiable));
-        widen_to_accuracy(&model, &mut identified, accuracy);
+        widen_to_accuracy(&model, &mut identified, accuracy, together);
         identified.settle(model.parameters(), widest);
         identified
     };
-    assert!(settled(0.1).parameters.iter().all(IdentifiedParameter::is_identifiable));
-    let loose = settled(0.25);
+    assert!(settled(0.1, &[]).parameters.iter().all(IdentifiedParameter::is_identifiable));
+    let loose = settled(0.25, &[]);
     for found in &loose.parameters {
         assert!(found.std.is_none() && found.interval95.is_none() && found.is_bounded(), "{found:?}");
         let Identifiability::NotIdentifiable { reason, experiment, .. } = &found.identifiability else {
@@ -302,9 +303,11 @@ fn what_widening_leaves_too_wide_is_not_identifiable() {
         );
     }
     assert!(!loose.sum((0, 1), model.parameters(), widest).is_identifiable());
-    let sum = settled(0.1).sum((0, 1), model.parameters(), widest);
-    let (low, high) = sum.interval95.unwrap();
-    assert!(((high - low) / 2.0 / sum.value / 0.1 - 1.96 * 1.01_f64.sqrt() / 1.1).abs() < 1e-3, "{sum:?}");
+    for (together, expected) in [(&[][..], 1.01_f64.sqrt() / 1.1), (&[0, 1], 1.0)] {
+        let sum = settled(0.1, together).sum((0, 1), model.parameters(), widest);
+        let (low, high) = sum.interval95.unwrap();
+        assert!(((high - low) / 2.0 / sum.value / 0.1 - 1.96 * expected).abs() < 1e-3, "{sum:?}");
+    }
 }
 
 /// `b` alone is not told where its reading is bad; the sum is, to its own reading.

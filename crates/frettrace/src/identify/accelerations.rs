@@ -242,7 +242,7 @@ fn without_periods(
         let Ok(mut found) = identify_contact(family, &used, &settings) else { continue };
         let values = found.law_values();
         let model = ContactModel::new(family, used.clone(), &values, Extras::default());
-        widen_to_accuracy(&model, &mut found.identified, aperiodic::ACCURACY);
+        widen_to_accuracy(&model, &mut found.identified, aperiodic::ACCURACY, &[]);
         found.identified.settle(model.parameters(), IdentifySettings::default().widest);
         if best.as_ref().is_none_or(|best| found.error < best.error) {
             best = Some(found);

@@ -60,7 +60,8 @@ pub(super) fn judged(
     // A calibration is that of the sensor, in all runs: what they have in common does not tell them apart.
     let of_all = [sizes.iter().sum()];
     widen_by_held(&problem, &fit, &mut identified, &Held { parameters: &held, sizes: &of_all });
-    widen_to_accuracy(&problem, &mut identified, ACCURACY.hypot(found.normal_doubt));
+    let accuracy = ACCURACY.hypot(found.normal_doubt);
+    widen_to_accuracy(&problem, &mut identified, accuracy, &per_normal_force(&fitted.unknowns));
     let mut cut = 0.0;
     if let Some(change) = truncation(study, fitted) {
         cut = (CUT * change.iter().map(|d| d * d).sum::<f64>() / fitted.fit.data_cost).min(1.0);
@@ -77,6 +78,13 @@ pub(super) fn judged(
     }
     take_back(study, found, &mut identified, cut);
     Ok(Judgement { identified, tests })
+}
+
+/// Which unknowns are those of the law that are forces per normal force.
+fn per_normal_force(unknowns: &[Unknown]) -> Vec<usize> {
+    let hooks = [Hook::MuKinetic, Hook::StribeckRise, Hook::Sigma0, Hook::Sigma1];
+    let is_one = |unknown: &Unknown| hooks.iter().any(|hook| unknown.quantity == Quantity::Law(*hook));
+    unknowns.iter().enumerate().filter(|(_, unknown)| is_one(unknown)).map(|(j, _)| j).collect()
 }
 
 /// The unknowns and their fit, with the gain of each sensor held at 1.
