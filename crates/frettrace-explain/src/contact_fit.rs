@@ -11,6 +11,7 @@ mod sizes;
 
 use crate::effects::FREE;
 use crate::series_fit::SeriesContact;
+use crate::study::soften;
 use frettrace_forward::accelerations::{
     AccelerationError, AccelerationModel, Balance, Beside, FrequencyRatio, Quantity,
 };
@@ -61,7 +62,7 @@ const MOTION_LINES: usize = 5 * LINES;
 /// Relative accuracy of a recovered force line: what is left of the structure's errors.
 const RELATIVE_ACCURACY: f64 = 3e-4;
 
-/// Share of a line, and ten times that of the loudest, to which a force counts in [`Contacts::softened`].
+/// Share of a line to which a force counts in [`Contacts::softened`].
 const SOFT: f64 = 0.02;
 
 /// Part of a sample by which the jump of a rigid contact's force may be misplaced.
@@ -195,10 +196,9 @@ impl Recovered {
 
     /// The same with lines that count by their size.
     fn softened(&self) -> Self {
-        let peak = self.force.iter().skip(1).map(|f| f.norm()).fold(0.0, f64::max);
-        let known = self.deviation.iter().zip(&self.force);
-        let deviation = known.map(|(std, f)| std.hypot(SOFT * f.norm()).hypot(0.1 * SOFT * peak)).collect();
-        Self { deviation, ..self.clone() }
+        let mut softened = self.clone();
+        soften(&mut softened.deviation, &self.force, SOFT);
+        softened
     }
 
     /// RMS of the slip (m).

@@ -394,9 +394,8 @@ impl Study<'_> {
         if reduced > POOR && law_unknowns.len() > 2 {
             laws.extend(starts(&setting.law, self.fastest(recovered), (recovered, setting.rigid)));
         }
-        let meets = |looked: &[(ContactCandidate, usize)]| looked.first().is_some_and(|(c, _)| c.meets());
         let looked = self.looked((recovered, softened), setting, law_unknowns, (&laws, &forms));
-        let again = if !meets(&looked) && law_unknowns.len() > 2 {
+        let again = if looked.first().is_some_and(|(c, _)| !c.meets()) && law_unknowns.len() > 2 {
             self.contact_restarts((recovered, softened), setting, law_unknowns, &looked, &forms)
         } else {
             Vec::new()

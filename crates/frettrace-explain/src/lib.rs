@@ -45,5 +45,5 @@ pub use series_fit::Series;
 pub use shapes::{Shape, shapes};
 pub use split::Split;
 pub use start::histories;
-pub use study::{ExplainError, Fitted, RunError, Study};
+pub use study::{ExplainError, Fitted, RunError, Study, soften};
 pub use verdict::{Named, Outcome, Place, Tried, Verdict, explain};

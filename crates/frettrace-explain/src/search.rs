@@ -13,11 +13,11 @@ use rayon::prelude::*;
 const BEST: usize = 3;
 /// … and those where none meets the recovered contacts, χ² per residual of the best above this, for whom χ² is within this factor of it.
 const MORE: usize = 6;
-/// The same where the recovered force tells none from another: that of a rigid contact is known to where its jumps lie, and a law that
-/// meets it leaves less than one a residual.
-const ALL_ABOUT: usize = 10;
 const UNMET: f64 = 1.5;
 const BESIDE: f64 = 1.5;
+/// Effects re-fitted where the recovered force tells none from another: that of a rigid contact is known to where its jumps lie, and a law that
+/// meets it leaves less than one a residual.
+const ALL_ABOUT: usize = 10;
 /// A model is complete where its error stays within this factor of the noise, over all training runs …
 pub(crate) const COMPLETE: f64 = 1.05;
 /// … and in every run.

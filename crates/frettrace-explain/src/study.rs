@@ -14,6 +14,7 @@ use frettrace_forward::accelerations::{
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 use frettrace_identify::{Fit, FitSettings, IdentifyError, Model, fit_with_memory};
 use nalgebra::DMatrix;
+use num_complex::Complex64;
 use std::sync::Arc;
 
 /// Why nothing can be explained.
@@ -446,6 +447,14 @@ const MOST_RIGID_LINES: usize = 256;
 
 /// Lines of contact force from which none are added: the factor of a balance takes the cube of them.
 const FINEST_LINES: usize = 1536;
+/// Lets lines, the mean first, count to a share of themselves and to a tenth of that share of the loudest, beside their deviations.
+pub fn soften(deviations: &mut [f64], lines: &[Complex64], share: f64) {
+    let peak = lines.iter().skip(1).map(|a| a.norm()).fold(0.0, f64::max);
+    for (deviation, line) in deviations.iter_mut().zip(lines) {
+        *deviation = deviation.hypot(share * line.norm()).hypot(0.1 * share * peak);
+    }
+}
+
 /// Share of the difference between the predictions of two grids, one twice as fine as the other, that the finer one leaves.
 const GRID_LEFT: f64 = 0.5;
 /// χ² per residual by which a grid that cuts the contact's force short may miss a run: a tenth of the variance.

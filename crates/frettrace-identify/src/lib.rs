@@ -23,4 +23,4 @@ pub use identifiability::{Identifiability, IdentifiedParameter};
 pub use identified::{Identified, IdentifySettings, ResidualStatistics, identify};
 pub use model::{Model, NoSolution};
 pub use parameter::{Parameter, Prior, Transform};
-pub use systematic::{Held, correct_by, widen_by_groups, widen_by_held, widen_to_accuracy};
+pub use systematic::{correct_by, widen_by_groups, widen_by_held, widen_to_accuracy};

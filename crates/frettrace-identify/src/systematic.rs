@@ -4,20 +4,11 @@ use crate::fit::stacked;
 use crate::{Fit, Identified, Model};
 use nalgebra::{DMatrix, DVector};
 
-/// What is held, and how the residuals fall into groups.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Held<'a> {
-    /// Parameters of the model that were held, each known to a standard deviation (index, std).
-    pub parameters: &'a [(usize, f64)],
-    /// Numbers of consecutive residuals of the groups in which they err independently (runs).
-    pub sizes: &'a [usize],
-}
-
-/// Widens the intervals of `identified` by parameters of the model that were held though they are not exactly known:
-/// `C += Σ_s Σ_g d dᵀ`, `d = −(JᵀJ)⁻¹J_gᵀ ∂r_g/∂p_s · std_s`.
+/// Widens the intervals of `identified` by parameters of the model that were held though they are not exactly known, each to a standard
+/// deviation (index, std): `C += Σ_s d dᵀ`, `d = −(JᵀJ)⁻¹Jᵀ ∂r/∂p_s · std_s`.
 ///
-/// A calibration of a sensor, say, is the same for all lines of a run: no number of residuals averages it out.
-pub fn widen_by_held<M: Model>(model: &M, fit: &Fit, identified: &mut Identified, held: &Held<'_>) {
+/// A calibration of a sensor, say, is the same for all lines of all runs: no number of residuals averages it out.
+pub fn widen_by_held<M: Model>(model: &M, fit: &Fit, identified: &mut Identified, held: &[(usize, f64)]) {
     if let Some(covariance) = covariance(model, fit, held) {
         identified.add_covariance(&covariance, model.parameters());
     }
@@ -119,12 +110,12 @@ pub fn widen_to_accuracy<M: Model>(
     identified.add_covariance(&covariance, model.parameters());
 }
 
-fn covariance<M: Model>(model: &M, fit: &Fit, held: &Held<'_>) -> Option<DMatrix<f64>> {
+fn covariance<M: Model>(model: &M, fit: &Fit, held: &[(usize, f64)]) -> Option<DMatrix<f64>> {
     let rows = model.residual_count();
     let mut residual = vec![0.0; rows];
     let mut jacobian = DMatrix::zeros(rows, fit.values.len());
     let mut wanted = fit.free.clone();
-    for (index, _) in held.parameters {
+    for (index, _) in held {
         *wanted.get_mut(*index)? = true;
     }
     let mut memory = model.memory();
@@ -133,17 +124,13 @@ fn covariance<M: Model>(model: &M, fit: &Fit, held: &Held<'_>) -> Option<DMatrix
     let columns: Vec<usize> = (0..fit.free.len()).filter(|j| fit.free[*j]).collect();
     let triangle = tall.clone().qr().r();
     let mut sum = DMatrix::zeros(fit.values.len(), fit.values.len());
-    for (index, std) in held.parameters {
-        let mut row = 0;
-        for size in held.sizes {
-            let error = jacobian.view((row, *index), (*size, 1)) * *std;
-            let half = triangle.transpose().solve_lower_triangular(&tall.rows(row, *size).tr_mul(&error))?;
-            let shift = triangle.solve_upper_triangular(&half)?;
-            row += size;
-            for (a, i) in columns.iter().enumerate() {
-                for (b, j) in columns.iter().enumerate() {
-                    sum[(*i, *j)] += shift[(a, 0)] * shift[(b, 0)];
-                }
+    for (index, std) in held {
+        let error = jacobian.column(*index) * *std;
+        let half = triangle.transpose().solve_lower_triangular(&tall.rows(0, rows).tr_mul(&error))?;
+        let shift = triangle.solve_upper_triangular(&half)?;
+        for (a, i) in columns.iter().enumerate() {
+            for (b, j) in columns.iter().enumerate() {
+                sum[(*i, *j)] += shift[a] * shift[b];
             }
         }
     }

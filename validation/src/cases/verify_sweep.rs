@@ -17,7 +17,7 @@ const AGAIN: usize = 4;
 const QUICK: f64 = 1.0;
 /// Sets of any seed that were answered wrong once, and one whose right name leaves the most beside the noise: declared law in another
 /// valley (a film was named), two stand-ins for what is not in the list, dampings far from their start, a film for a Stribeck curve with another
-/// formula, a drift whose settling form was not asked.
+/// formula, a drift whose settling form was not asked, a formula behind three starts of another, a law far from the contacts.
 const MENDED: [(u64, &str); 9] = [
     (251, "clean 2 lugre rotation"),
     (251, "structure.quadratic-damping 1 hybrid transverse"),

@@ -60,10 +60,10 @@ pub struct WholeOutcome {
     pub tried: Vec<Tried>,
     /// Errors of the training runs, before and after.
     pub error: [RunError; 2],
-    /// What they and those of the held-out runs are errors of.
-    pub error_of: ErrorOf,
     /// The same of the held-out runs.
     pub held_out: Option<[RunError; 2]>,
+    /// What both are errors of.
+    pub error_of: ErrorOf,
     /// Indices of the training and of the held-out runs.
     pub runs: [Vec<usize>; 2],
     /// What a reader must know.

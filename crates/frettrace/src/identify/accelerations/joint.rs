@@ -5,7 +5,7 @@ use super::problem::{self, Problem};
 use super::support;
 use crate::StudyError;
 use frettrace_explain::support::SupportForce;
-use frettrace_explain::{ExplainError, Fitted, Study, Unknown, positive};
+use frettrace_explain::{ExplainError, Fitted, Study, Unknown, positive, soften};
 use frettrace_forward::accelerations::{Quantity, RunLines, Setting};
 use frettrace_friction::effects::Hook;
 use frettrace_identify::contact::Family;
@@ -185,7 +185,7 @@ fn coarsen(study: &mut Study<'_>) -> Result<bool, StudyError> {
         for deviations in &mut run.deviation {
             deviations.truncate(most + 1);
         }
-        soften(run, COARSE_ACCURACY);
+        soften_all(run, COARSE_ACCURACY);
         run.contact_order = most + most / 4 + 4;
         run.samples = (8 * run.contact_order).next_power_of_two();
     }
@@ -282,7 +282,7 @@ fn is_same(one: &Fitted, other: &Fitted) -> bool {
 /// a bowl around the same minimum.
 fn smoothed(study: &mut Study<'_>, starts: &[Setting], unknowns: &[Unknown]) -> Vec<Setting> {
     let sharp: Vec<Vec<Vec<f64>>> = study.model.runs.iter().map(|run| run.deviation.clone()).collect();
-    study.model.runs.iter_mut().for_each(|run| soften(run, SOFT));
+    study.model.runs.iter_mut().for_each(|run| soften_all(run, SOFT));
     let memory = study.model.memory();
     let fit = |start: &Setting| study.fit(start.clone(), unknowns, &memory, FEW_ITERATIONS).ok();
     let mut fitted: Vec<Fitted> = starts.par_iter().filter_map(fit).collect();
@@ -293,13 +293,10 @@ fn smoothed(study: &mut Study<'_>, starts: &[Setting], unknowns: &[Unknown]) -> 
     fitted.into_iter().map(|f| f.setting).collect()
 }
 
-/// Lets lines count to a share of themselves and to a tenth of that share of the loudest.
-fn soften(run: &mut RunLines, share: f64) {
+/// Lets the lines of all sensors count to a share of themselves.
+fn soften_all(run: &mut RunLines, share: f64) {
     for (lines, deviations) in run.acceleration.iter().zip(&mut run.deviation) {
-        let peak = lines.iter().skip(1).map(|a| a.norm()).fold(0.0, f64::max);
-        for (deviation, line) in deviations.iter_mut().zip(lines) {
-            *deviation = deviation.hypot(share * line.norm()).hypot(0.1 * share * peak);
-        }
+        soften(deviations, lines, share);
     }
 }
 

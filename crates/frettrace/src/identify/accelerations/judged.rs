@@ -8,7 +8,7 @@ use frettrace_explain::{Fitted, Study, Unknown, signed};
 use frettrace_forward::accelerations::{AccelerationModel, Quantity, Rig, RunLines};
 use frettrace_friction::effects::Hook;
 use frettrace_identify::{
-    Fit, FitSettings, GroupTest, Grouping, Held, Identified, IdentifySettings, Model, correct_by, identify,
+    Fit, FitSettings, GroupTest, Grouping, Identified, IdentifySettings, Model, correct_by, identify,
     test_groups, widen_by_groups, widen_by_held, widen_to_accuracy,
 };
 
@@ -57,9 +57,7 @@ pub(super) fn judged(
     let tests: Vec<Vec<GroupTest>> = tests.collect();
     let held: Vec<(usize, f64)> = (fitted.unknowns.len()..unknowns.len()).map(|k| (k, CALIBRATION)).collect();
     widen_by_groups(&problem, &fit, &mut identified, &sizes);
-    // A calibration is that of the sensor, in all runs: what they have in common does not tell them apart.
-    let of_all = [sizes.iter().sum()];
-    widen_by_held(&problem, &fit, &mut identified, &Held { parameters: &held, sizes: &of_all });
+    widen_by_held(&problem, &fit, &mut identified, &held);
     let accuracy = ACCURACY.hypot(found.normal_doubt);
     widen_to_accuracy(&problem, &mut identified, accuracy, &per_normal_force(&fitted.unknowns));
     let mut cut = 0.0;
