@@ -48,13 +48,20 @@ enum Table {
     /// Splines and forms of the reconstruction
     Splines,
     /// Simulated rigs with a known effect through `explain`: confusion, false alarms, detection limit
-    Sweep(Extent),
+    Sweep {
+        #[command(flatten)]
+        extent: Extent,
+        #[command(flatten)]
+        kept: Kept,
+    },
     /// One set of the sweep's plan through `explain`: a line when it is made, then its line of JSON
     Judge {
         /// Name in the plan
         name: String,
         #[command(flatten)]
         drawn: Drawn,
+        #[command(flatten)]
+        kept: Kept,
     },
     /// One set of the sweep's plan as a measurement file with its truth, to look at
     Set {
@@ -105,12 +112,21 @@ impl Extent {
     }
 
     /// What another process of this program answers on a set, within the limits.
-    fn apart<T: DeserializeOwned>(&self, question: &str, set: &plan::Planned) -> anyhow::Result<T> {
+    fn apart<T: DeserializeOwned>(&self, question: &str, set: &plan::Planned, kept: &Kept) -> anyhow::Result<T> {
         let mut program = Command::new(std::env::current_exe()?);
         let [seed, clean] = [self.drawn.seed, self.drawn.clean as u64].map(|number| number.to_string());
         program.args([question, &set.name, "--seed", &seed, "--clean", &clean]);
+        program.args(kept.sets.iter().flat_map(|folder| [Path::new("--sets"), folder]));
         Ok(serde_json::from_str(&printed(program, [self.making, self.limit].map(Duration::from_secs))?)?)
     }
+}
+
+/// Where made sets are kept.
+#[derive(Args, Debug, Default)]
+struct Kept {
+    /// Folder that keeps the sets once they are made, and from which they are taken; empty it when the simulator changes
+    #[arg(long)]
+    sets: Option<PathBuf>,
 }
 
 /// What a plan is drawn from.
@@ -150,15 +166,16 @@ fn run_table(table: &Table) -> anyhow::Result<String> {
         }
         Table::Hypotheses => cases::verify_mode_hypotheses::table(),
         Table::Splines => cases::compare_splines::table(),
-        Table::Sweep(extent) => {
+        Table::Sweep { extent, kept } => {
             let judged = |set: &plan::Planned| {
-                extent.apart("judge", set).unwrap_or_else(|error| Judged::failed(set, &error))
+                extent.apart("judge", set, kept).unwrap_or_else(|error| Judged::failed(set, &error))
             };
             let done = sweep::resume(&extent.output, &extent.sets(|_| true), |set| &set.name, judged)?;
             Ok(tables::markdown(&format!("Sweep of explain, seed {}", extent.drawn.seed), &done))
         }
-        Table::Judge { name, drawn } => {
-            Ok(serde_json::to_string(&judge(&drawn.set(name)?, || println!("{MADE}")))? + "\n")
+        Table::Judge { name, drawn, kept } => {
+            let judged = judge(&drawn.set(name)?, kept.sets.as_deref(), || println!("{MADE}"));
+            Ok(serde_json::to_string(&judged)? + "\n")
         }
         Table::Set { name, output, calibrated, drawn } => {
             let planned = drawn.set(name)?;
@@ -171,7 +188,7 @@ fn run_table(table: &Table) -> anyhow::Result<String> {
         }
         Table::Coverage(extent) => {
             let covered = |set: &plan::Planned| {
-                extent.apart("cover", set).unwrap_or_else(|error| Covered::failed(set, &error))
+                extent.apart("cover", set, &Kept::default()).unwrap_or_else(|error| Covered::failed(set, &error))
             };
             let clean = extent.sets(|set| set.formula.is_none());
             let done = sweep::resume(&extent.output, &clean, |set| &set.name, covered)?;

@@ -1,13 +1,14 @@
 //! The sweep: many rigs with a known truth through the whole program, and what became of them.
 //!
 //! `cargo run -p validation -- sweep --output FILE` makes rigs at random from a seed, simulates each ([`rigs`], [`effects`],
-//! [`made`]), asks `explain` what it lacks and compares ([`judged`]); one line of JSON a finished set, so that a sweep that was
+//! [`made`], [`kept`]), asks `explain` what it lacks and compares ([`judged`]); one line of JSON a finished set, so that a sweep that was
 //! stopped goes on where it was, each set in a process of its own ([`apart`]). [`tables`] counts.
 
 pub mod apart;
 pub mod coverage;
 pub mod effects;
 pub mod judged;
+pub mod kept;
 pub mod made;
 pub mod plan;
 pub mod rigs;

@@ -79,7 +79,7 @@ fn again(sets: &[Judged]) -> Row {
     let known = |set: &Judged| plan.iter().find(|planned| planned.name == set.name).cloned();
     let asked: Vec<(&Judged, Option<Planned>)> = quick.take(AGAIN).map(|set| (set, known(set))).collect();
     let same = |(set, planned): &&(&Judged, Option<Planned>)| {
-        let now = planned.as_ref().map(|planned| judge(planned, || {}));
+        let now = planned.as_ref().map(|planned| judge(planned, None, || {}));
         now.is_some_and(|now| now.verdict == set.verdict && now.named == set.named && now.place == set.place)
     };
     let same = asked.par_iter().filter(same).count();
@@ -96,7 +96,7 @@ fn again(sets: &[Judged]) -> Row {
 fn mended() -> Row {
     let right = |&(seed, name): &(u64, &str)| {
         let planned = plan(seed, CLEAN).into_iter().find(|planned| planned.name == name);
-        planned.is_some_and(|planned| judge(&planned, || {}).worth() == Worth::Right)
+        planned.is_some_and(|planned| judge(&planned, None, || {}).worth() == Worth::Right)
     };
     let right = MENDED.par_iter().filter(|set| right(set)).count();
     Row {

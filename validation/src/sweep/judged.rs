@@ -2,13 +2,15 @@
 
 use super::Finished;
 use super::apart::NotMade;
-use super::made::{Made, make};
+use super::kept::{Asked, asked};
 use super::plan::Planned;
 use frettrace::Progress;
 use frettrace::explain::{ExplainOptions, explain};
 use frettrace::results::{Explanation, Place, Verdict};
+use frettrace::rig::Effect;
 use frettrace_measurement::Recording;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 use std::time::Instant;
 
 /// One finished set: one line of the file of a sweep.
@@ -140,22 +142,24 @@ impl Judged {
     }
 }
 
-/// Makes a planned set and asks what it lacks; `asked` is called between the two.
+/// Makes a planned set, or takes it from the folder that keeps it, and asks what it lacks; `is_made` is called between the two.
 #[must_use]
-pub fn judge(planned: &Planned, is_made: impl FnOnce()) -> Judged {
-    let made = match make(planned) {
-        Ok(made) => made,
+pub fn judge(planned: &Planned, folder: Option<&Path>, is_made: impl FnOnce()) -> Judged {
+    let set = match asked(planned, folder) {
+        Ok(set) => set,
         Err(error) => return Judged { unmade: true, ..Judged::failed(planned, &error) },
     };
     is_made();
-    answered(planned, &made).unwrap_or_else(|error| Judged::failed(planned, &error))
+    answered(planned, set).unwrap_or_else(|error| Judged::failed(planned, &error))
 }
 
-fn answered(planned: &Planned, made: &Made) -> anyhow::Result<Judged> {
-    let effect = made.effect.as_ref().map(|effect| effect.id().to_owned());
+fn answered(planned: &Planned, Asked { measurement, known }: Asked) -> anyhow::Result<Judged> {
+    let length = measurement.beam.length;
+    let truth = known.effect.as_ref();
+    let effect = truth.map(|effect| effect.id().to_owned());
     let without = effect.iter().filter(|_| planned.left_out).cloned().collect();
     let options = ExplainOptions { without, ..ExplainOptions::default() };
-    let recording = Recording::Measurement(made.simulation.measurement.clone());
+    let recording = Recording::Measurement(measurement);
     let begun = Instant::now();
     let found = explain(&recording, &options, &Progress::silent())?;
     let seconds = begun.elapsed().as_secs_f64();
@@ -163,13 +167,13 @@ fn answered(planned: &Planned, made: &Made) -> anyhow::Result<Judged> {
     Ok(Judged {
         name: planned.name.clone(),
         left_out: planned.left_out,
-        visible: made.visible,
+        visible: known.visible,
         verdict: Some(found.verdict),
         place: found.place,
         named: found.effects.iter().map(class).collect(),
-        position_error: position_error(made, &found),
-        sensor_right: sensor_right(made, &found),
-        size_inside: size_inside(made, &found),
+        position_error: position_error(truth, &found).map(|error| error / length),
+        sensor_right: sensor_right(truth, &found),
+        size_inside: size_inside(truth, &found),
         over_floor: [error.before, error.after].map(|value| value / error.noise_floor),
         failure: None,
         unmade: false,
@@ -183,25 +187,24 @@ fn class(effect: &frettrace::results::Effect) -> Vec<String> {
 }
 
 /// The effect named where it is the true one.
-fn named<'a>(made: &Made, found: &'a Explanation) -> Option<&'a frettrace::results::Effect> {
-    let id = made.effect.as_ref()?.id();
-    found.effects.iter().find(|effect| effect.id == id)
+fn named<'a>(truth: &Effect, found: &'a Explanation) -> Option<&'a frettrace::results::Effect> {
+    found.effects.iter().find(|effect| effect.id == truth.id())
 }
 
-fn position_error(made: &Made, found: &Explanation) -> Option<f64> {
-    let position = made.effect.as_ref()?.position()?;
-    Some((named(made, found)?.position_m? - position).abs() / made.rig.beam.length_m)
+/// In m.
+fn position_error(truth: Option<&Effect>, found: &Explanation) -> Option<f64> {
+    let position = truth?.position()?;
+    Some((named(truth?, found)?.position_m? - position).abs())
 }
 
-fn sensor_right(made: &Made, found: &Explanation) -> Option<bool> {
-    let sensor = made.effect.as_ref()?.sensor()?;
-    Some(named(made, found)?.sensor? == sensor)
+fn sensor_right(truth: Option<&Effect>, found: &Explanation) -> Option<bool> {
+    let sensor = truth?.sensor()?;
+    Some(named(truth?, found)?.sensor? == sensor)
 }
 
 /// Only where the truth and the model have the same parameter by the same name.
-fn size_inside(made: &Made, found: &Explanation) -> Option<bool> {
-    use frettrace::rig::Effect;
-    let (name, truth) = match *made.effect.as_ref()? {
+fn size_inside(truth: Option<&Effect>, found: &Explanation) -> Option<bool> {
+    let (name, size) = match *truth? {
         Effect::Viscous { sigma2_n_s_per_m } => ("sigma2", sigma2_n_s_per_m),
         Effect::Stribeck { v_s_m_per_s, .. } => ("v_s", v_s_m_per_s),
         Effect::Asymmetry { share } => ("asymmetry", share),
@@ -212,9 +215,9 @@ fn size_inside(made: &Made, found: &Explanation) -> Option<bool> {
         Effect::Backlash { half_play_m } => ("half_play", half_play_m),
         _ => return None,
     };
-    let estimate = named(made, found)?.parameters.get(name)?;
+    let estimate = named(truth?, found)?.parameters.get(name)?;
     let [low, high] = estimate.interval95;
-    Some(low <= truth && truth <= high)
+    Some(low <= size && size <= high)
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! Effects by their ids, each with its own keys.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// What a rig does beside what its file declares. Positions in m from the clamp, sensors from 0.
-#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(tag = "id", deny_unknown_fields)]
 #[expect(missing_docs, reason = "the id is the name and every key carries its unit")]
 pub enum Effect {
