@@ -112,7 +112,12 @@ impl Extent {
     }
 
     /// What another process of this program answers on a set, within the limits.
-    fn apart<T: DeserializeOwned>(&self, question: &str, set: &plan::Planned, kept: &Kept) -> anyhow::Result<T> {
+    fn apart<T: DeserializeOwned>(
+        &self,
+        question: &str,
+        set: &plan::Planned,
+        kept: &Kept,
+    ) -> anyhow::Result<T> {
         let mut program = Command::new(std::env::current_exe()?);
         let [seed, clean] = [self.drawn.seed, self.drawn.clean as u64].map(|number| number.to_string());
         program.args([question, &set.name, "--seed", &seed, "--clean", &clean]);
@@ -188,7 +193,9 @@ fn run_table(table: &Table) -> anyhow::Result<String> {
         }
         Table::Coverage(extent) => {
             let covered = |set: &plan::Planned| {
-                extent.apart("cover", set, &Kept::default()).unwrap_or_else(|error| Covered::failed(set, &error))
+                extent
+                    .apart("cover", set, &Kept::default())
+                    .unwrap_or_else(|error| Covered::failed(set, &error))
             };
             let clean = extent.sets(|set| set.formula.is_none());
             let done = sweep::resume(&extent.output, &clean, |set| &set.name, covered)?;

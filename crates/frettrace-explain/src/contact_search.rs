@@ -80,7 +80,7 @@ pub(crate) fn within_reach(criterion: f64, best: f64) -> bool {
 }
 
 /// χ² per residual on the recovered contacts from which a law misses them, and other starts of it are tried.
-const POOR: f64 = 4.0;
+pub(crate) const POOR: f64 = 4.0;
 
 /// Keeps of a ranking the first few forms of each effect, `most` in all, and in any case the first two of every effect and the first
 /// of another formula than theirs: one of many forms leaves room for its rivals, where a form has come in a few steps says little of

@@ -25,10 +25,16 @@ pub(crate) fn starts(
     if !rigid {
         law.set(Hook::Sigma0, sigma0);
     }
+    beside(&law, velocity)
+}
+
+/// Starts beside a law whose friction coefficient and stiffness are right in size.
+pub(crate) fn beside(law: &ModifiedLaw<f64>, velocity: f64) -> Vec<ModifiedLaw<f64>> {
+    let mu = law.get(Hook::MuKinetic).unwrap_or(0.3);
     let mut out = Vec::new();
     for speed in [0.1, 0.4] {
         for breakaway in [0.15, 0.6] {
-            let mut other = law;
+            let mut other = *law;
             let sizes = [
                 (Hook::StribeckVelocity, speed * velocity),
                 (Hook::DampingVelocity, speed * velocity),

@@ -131,6 +131,13 @@ impl RunRecord {
                 tried(&mut best, subharmonic, MOST_LINES);
             }
         }
+        // What is louder than the noise may be lines above these, as with the excitation's own.
+        if let Some(found) = best.as_ref().filter(|found| found.subharmonic > 1 && found.ratio > ABOVE)
+            && all > MOST_LINES
+        {
+            let subharmonic = found.subharmonic;
+            tried(&mut best, subharmonic, MOST_TRIED);
+        }
         let unresolved = ProjectionError::TooShort { samples, unknowns: 3 };
         let Trial { subharmonic, channels, force, ratio } = best.ok_or(unresolved)?;
         let mut noise: Vec<f64> = match noise {

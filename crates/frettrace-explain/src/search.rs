@@ -24,7 +24,7 @@ pub(crate) const COMPLETE: f64 = 1.05;
 const COMPLETE_RUN: f64 = 1.12;
 
 /// A model explains where its error stays within this factor of the noise in every training run …
-const SUFFICIENT: f64 = 1.2;
+pub(crate) const SUFFICIENT: f64 = 1.2;
 /// … and no more than this share of the declared model's excess is left: model errors of other rigs are of that size.
 pub(crate) const REST: f64 = 0.01;
 

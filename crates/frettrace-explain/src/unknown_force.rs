@@ -10,7 +10,9 @@ use crate::force_laws::{
 };
 use crate::verdict::BALANCE_CLOSED;
 use crate::{Study, Unknown, signed};
-use frettrace_forward::accelerations::{Balance, Beside, Port, PortLaw, PortPlace, Quantity, Setting};
+use frettrace_forward::accelerations::{
+    Balance, Beside, Port, PortLaw, PortPlace, Quantity, RunLines, Setting,
+};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -143,7 +145,8 @@ impl Study<'_> {
             let located = self.located_at(&plain, place);
             tried.extend(located.map(|l| (Source::Exciter(l), EXCITER * l.chi)));
         }
-        tried.extend(self.locate(&plain).first().map(|&l| (Source::Elsewhere(l), l.chi)));
+        let located = self.locate(&plain);
+        tried.extend(located.first().map(|&l| (Source::Elsewhere(l), l.chi)));
         tried.sort_by(|a, b| a.1.total_cmp(&b.1));
         let freedom = self.residuals_of(&self.training) * sensors.saturating_sub(2) / sensors.max(1);
         let freedom = freedom.max(1) as f64;
@@ -155,16 +158,23 @@ impl Study<'_> {
         };
         let rival = others.iter().find(|(other, _)| !(excites(first.0) && excites(other)));
         let told = is_told([first.1, rival.map_or(f64::INFINITY, |rival| rival.1)].map(|chi| chi / freedom));
-        let place = if told { self.place_of(&plain, first.0) } else { EffectPlace::Structure };
+        let equal: Vec<&Located> = located.iter().filter(|l| l.chi < NEAR * first.1).collect();
+        let place = if told { self.place_of(&plain, first.0, &equal) } else { EffectPlace::Structure };
         (place, first.1 / freedom)
     }
 
-    /// What acts on the beam is the excitation's or the structure's by what its force answers to; by its place where neither is told.
-    fn place_of(&self, setting: &Setting, source: &Source) -> EffectPlace {
+    /// What acts on the beam is the excitation's or the structure's by what its force answers to; by its place where neither is told. A force
+    /// at the exciter does to a single mode what one on that mode does: where one at a place of equal standing answers to its motion,
+    /// it is the structure's.
+    fn place_of(&self, setting: &Setting, source: &Source, equal: &[&Located]) -> EffectPlace {
+        let answers = |located: &Located| self.asks(setting, located).is_some_and(|asks| asks.motion());
         match source {
             Source::Of(place) => *place,
             Source::Exciter(located) => match self.asks(setting, located) {
-                Some(asks) if asks.motion() => EffectPlace::Structure,
+                Some(asks) if asks.excitation() => EffectPlace::Excitation,
+                Some(asks) if asks.motion() || equal.par_iter().any(|other| answers(other)) => {
+                    EffectPlace::Structure
+                }
                 _ => EffectPlace::Excitation,
             },
             Source::Elsewhere(located) => match self.asks(setting, located) {
@@ -325,6 +335,17 @@ impl Study<'_> {
             .collect()
     }
 
+    /// Amplitude of the velocity (m/s) on the excitation's line, the largest of any sensor and fitted run.
+    pub(crate) fn fastest_sensor(&self) -> f64 {
+        let runs =
+            self.training.iter().map(|&run| (&self.model.runs[run], self.case.records[run].subharmonic));
+        let of_run = |(lines, first): (&RunLines, usize)| {
+            let sizes = lines.acceleration.iter().filter_map(|sensor| sensor.get(first));
+            sizes.map(|line| line.norm()).fold(0.0, f64::max) / (first as f64 * lines.omega)
+        };
+        runs.map(of_run).fold(0.0, f64::max)
+    }
+
     /// A port with its unknowns in the model.
     pub(crate) fn form(
         &self,
@@ -393,7 +414,7 @@ mod tests {
         }
     }
 
-    /// χ² of the forces recovered on three simulated rigs: a second exciter (weak beside the noise), a spring that answers to the square
+    /// χ² of the forces recovered on four simulated rigs: a second exciter (weak beside the noise), a spring that answers to the square
     /// of the displacement, and the same where the balance is off by more than the noise and neither tells the force.
     #[test]
     fn a_force_asks_for_the_excitation_or_for_the_motion() {
@@ -404,5 +425,8 @@ mod tests {
         assert_eq!(asked([774.4, 415.7, 762.7, 308.0, 1.0]), (true, false));
         assert_eq!(asked([25_782.3, 692.4, 271.4, 332.0, 1.024]), (false, true));
         assert_eq!(asked([46_302.4, 2771.9, 3152.5, 332.0, 1.299]), (false, false));
+        // A mode with another frequency, as a force at the exciter and as one on that mode, which close the balance as well.
+        assert_eq!(asked([2799.0, 1076.7, 1743.1, 224.0, 1.0]), (false, false));
+        assert_eq!(asked([2494.5, 914.6, 295.8, 224.0, 1.02]), (false, true));
     }
 }

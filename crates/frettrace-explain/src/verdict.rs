@@ -1,11 +1,11 @@
 //! The verdict: nothing missing, explained by named effects, or unexplained with a place.
 
-use crate::effects::ALL;
+use crate::effects::{ALL, shaped};
 use crate::search::{Explained, excess};
 use crate::series_fit::SeriesContact;
 use crate::study::as_declared;
 use crate::{ExplainError, RunError, Study, Unknown};
-use frettrace_forward::accelerations::{Quantity, Setting};
+use frettrace_forward::accelerations::Setting;
 use frettrace_friction::effects::ModifiedLaw;
 
 mod asked_again;
@@ -175,12 +175,15 @@ impl Search<'_> {
         if current.complete() {
             return Ok(self.sharpened(current));
         }
-        if current.sufficient(baseline) {
-            return Ok(current);
-        }
+        let sufficient = current.sufficient(baseline);
         let Some((one, rivals)) = single else { return Ok(current) };
         let left = least_excess(&one, &rivals);
         if !one.dominant(baseline, left) {
+            return Ok(current);
+        }
+        if sufficient {
+            // A single name that leaves so little has another formula all the same.
+            self.other_formula = current.effects == one.effects;
             return Ok(current);
         }
         // What a second effect took would be the first one's other formula.
@@ -355,21 +358,14 @@ impl Search<'_> {
     /// The same with the further values of its last effect's shape, where it leaves more than the noise of what was `lacked`: the form
     /// that did best on the recovered contacts may be another laboratory's.
     fn shaped(&mut self, current: Explained, lacked: f64) -> Explained {
-        let law = &current.fitted.setting.law;
-        let mut shape =
-            current.effects.last().map_or_else(Vec::new, |&e| ALL[e].shape(law, &self.study.scales));
-        shape.retain(|change| current.added.iter().all(|u| u.quantity != Quantity::Law(change.hook)));
-        if shape.is_empty() || current.complete() {
+        let Some(&effect) = current.effects.last().filter(|_| !current.complete()) else { return current };
+        let mut richer = current.clone();
+        let law = &mut richer.fitted.setting.law;
+        let brought = shaped(effect, law, &current.added, &self.study.scales);
+        if brought.is_empty() {
             return current;
         }
-        let mut richer = current.clone();
-        for change in shape {
-            let law = &mut richer.fitted.setting.law;
-            law.set(change.hook, law.get(change.hook).unwrap_or(change.start));
-            richer.added.extend(
-                change.parameter.map(|parameter| Unknown { quantity: Quantity::Law(change.hook), parameter }),
-            );
-        }
+        richer.added.extend(brought);
         if let Some(count) = richer.counts.last_mut() {
             *count += richer.added.len() - current.added.len();
         }

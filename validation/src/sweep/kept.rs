@@ -63,7 +63,8 @@ mod tests {
     #[test]
     fn a_kept_set_is_the_one_that_was_made() {
         let plan = plan(SEED, CLEAN);
-        let planned = plan.iter().find(|set| set.name.contains("gain") && set.name.contains("coulomb")).unwrap();
+        let planned =
+            plan.iter().find(|set| set.name.contains("gain") && set.name.contains("coulomb")).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let made = asked(planned, None).unwrap();
         let written = asked(planned, Some(folder.path())).unwrap();

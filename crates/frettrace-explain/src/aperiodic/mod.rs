@@ -98,6 +98,7 @@ pub fn explain_whole(
     search.scales = start::scales(case, &histories);
     let law = start::law(case.law, &histories);
     let unknown = || ExplainError::NothingRecovered { runs: case.records.len() };
+    search.sight = Some(law);
     search.turn(&law);
     let first = search.declared(law).ok_or_else(unknown)?;
     search.settle_on(&first);
@@ -198,7 +199,15 @@ fn prepared<'a>(case: &'a Case, whole: &[Option<WholeRun>]) -> Result<Search<'a>
     let recovered: Vec<usize> = runs.iter().map(|run| run.index).collect();
     let held = Split::First.held_out(&by_level(case, &recovered));
     let (held_out, training) = runs.into_iter().partition(|run| held.contains(&run.index));
-    Ok(Search { case, scales: Scales::default(), training, held_out, tried: Vec::new(), notes: Vec::new() })
+    Ok(Search {
+        case,
+        scales: Scales::default(),
+        training,
+        held_out,
+        sight: None,
+        tried: Vec::new(),
+        notes: Vec::new(),
+    })
 }
 
 /// Slip (m/N) that a unit of contact force takes, in every bin of a record.
@@ -254,7 +263,8 @@ fn open(case: &Case, found: balance::Open, recovered: &[(usize, &WholeRun)]) -> 
 
 fn outcome(mut search: Search<'_>, (baseline, model): (Fitted, Fitted)) -> WholeOutcome {
     let judged = [&baseline, &model].map(|fitted| search.judged(fitted));
-    let complete = search.complete(&model) && search.foretold(&judged[1]);
+    let sufficient = search.sufficient((&baseline, &model), [&judged[0], &judged[1]]);
+    let complete = sufficient || search.complete(&model) && search.foretold(&judged[1]);
     let error = [&baseline, &model].map(|fitted| of_training(&search, fitted));
     let held =
         [(&baseline, &judged[0]), (&model, &judged[1])].map(|(fitted, judged)| of_held_out(fitted, judged));

@@ -7,11 +7,11 @@ use super::problem::OpenProblem;
 use super::run::{Open, OpenRun, Wave};
 use super::wave;
 use crate::case::Scales;
-use crate::effects::ALL;
+use crate::effects::{ALL, shaped};
 use crate::law_starts::scattered;
-use crate::search::COMPLETE;
+use crate::search::{COMPLETE, REST, SUFFICIENT};
 use crate::series_fit::ACCURACY;
-use crate::study::deviations;
+use crate::study::{deviations, merge};
 use crate::verdict::{EVIDENCE, HELD_OUT, HELD_OUT_SHARE, MOST_EFFECTS, SERIES_OPEN, Verdict};
 use crate::{Case, RunError, Unknown};
 use frettrace_friction::effects::ModifiedLaw;
@@ -77,6 +77,8 @@ pub(super) struct Search<'a> {
     pub scales: Scales,
     pub training: Vec<OpenRun>,
     pub held_out: Vec<OpenRun>,
+    /// The declared law as the histories show it at first sight, before any fit.
+    pub sight: Option<ModifiedLaw<f64>>,
     /// Candidates beside the declared law: effect and evidence.
     pub tried: Vec<(usize, f64)>,
     pub notes: Vec<String>,
@@ -101,6 +103,21 @@ impl Search<'_> {
     pub fn foretold(&self, judged: &[Judged]) -> bool {
         let count: f64 = judged.iter().map(|j| j.run.count() as f64).sum();
         judged.is_empty() || judged.iter().map(|j| j.cost).sum::<f64>() <= Self::limit(count) * count
+    }
+
+    /// Whether the names of a model leave so little of what the declared law missed, in runs that it was fitted to and in others, that only another
+    /// formula of the same is left: a hundredth, within a fifth of the noise.
+    pub fn sufficient(&self, (before, after): (&Fitted, &Fitted), [missed, left]: [&[Judged]; 2]) -> bool {
+        let mean = |judged: &[Judged]| {
+            let count: f64 = judged.iter().map(|j| j.run.count() as f64).sum();
+            judged.iter().map(|j| j.cost).sum::<f64>() / count.max(1.0)
+        };
+        let is_trace = |missed: f64, left: f64| {
+            left <= SUFFICIENT * SUFFICIENT && left - 1.0 <= REST * (missed - 1.0).max(0.0)
+        };
+        !after.effects.is_empty()
+            && is_trace(before.cost / self.count(), after.cost / self.count())
+            && (left.is_empty() || is_trace(mean(missed), mean(left)))
     }
 
     fn problem<'b>(&self, runs: &'b [OpenRun], from: &Fitted, held: bool) -> OpenProblem<'b> {
@@ -259,9 +276,36 @@ impl Search<'_> {
         let mut current = baseline.clone();
         while current.effects.len() < MOST_EFFECTS && !self.complete(&current) {
             let Some(next) = self.round(&current) else { break };
-            current = next;
+            current = self.ended(next);
         }
         current
+    }
+
+    /// A model that leaves more than the noise, fitted further: from errors as they are without one, for those that went with a poorer one are
+    /// not its own, and then with the further values of its last effect's shape, which may be another laboratory's.
+    fn ended(&self, found: Fitted) -> Fitted {
+        let found = self.bettered(found.clone(), found);
+        let mut richer = found.clone();
+        let (Some(&effect), Some(own)) = (found.effects.last(), richer.added.last_mut()) else {
+            return found;
+        };
+        let brought = shaped(effect, &mut richer.law, &found.unknowns, &self.scales);
+        if brought.is_empty() {
+            return found;
+        }
+        richer.unknowns = merge(&found.unknowns, &brought);
+        own.extend(brought);
+        self.bettered(found, richer)
+    }
+
+    /// A model, or where that leaves more than the noise another one fitted to its end, if there is evidence for it.
+    fn bettered(&self, found: Fitted, other: Fitted) -> Fitted {
+        if self.complete(&found) {
+            return found;
+        }
+        let count = self.count();
+        let better = |one: &Fitted| one.criterion(count) + EVIDENCE < found.criterion(count);
+        self.further(&other).filter(better).unwrap_or(found)
     }
 
     /// One effect more: the best, where the evidence for it is strong and runs held out agree.

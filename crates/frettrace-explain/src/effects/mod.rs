@@ -113,6 +113,21 @@ pub(crate) fn apply(changes: &[Change], law: &mut ModifiedLaw<f64>) -> Vec<Unkno
     changes.iter().filter_map(unknown).collect()
 }
 
+/// Frees the further values of an effect's shape in a law, as far as they are not `known` to be free; what it has of them already stays.
+pub(crate) fn shaped(
+    effect: usize,
+    law: &mut ModifiedLaw<f64>,
+    known: &[Unknown],
+    scales: &Scales,
+) -> Vec<Unknown> {
+    let mut shape = ALL[effect].shape(law, scales);
+    shape.retain(|change| known.iter().all(|u| u.quantity != Quantity::Law(change.hook)));
+    for change in &mut shape {
+        change.start = law.get(change.hook).unwrap_or(change.start);
+    }
+    apply(&shape, law)
+}
+
 /// One form of an effect in the contact.
 #[derive(Clone, Debug)]
 pub(crate) struct ContactForm {

@@ -5,10 +5,11 @@ use super::{BALANCE_CALIBRATED, BALANCE_CLOSED, EVIDENCE, PROXY, Rival, Search, 
 use crate::balance_fit::BalanceCandidate;
 use crate::contact_search::ContactCandidate;
 use crate::effects::ALL;
+use crate::force_laws::thresholds;
 use crate::search::Explained;
 use crate::study::merge;
 use crate::{ExplainError, Unknown};
-use frettrace_forward::accelerations::{Beside, PortPlace, Quantity, Setting};
+use frettrace_forward::accelerations::{Beside, Port, PortLaw, PortPlace, Quantity, Setting};
 use rayon::prelude::*;
 
 /// Share of a mode's range from its end within which it parks there, …
@@ -58,7 +59,9 @@ impl Search<'_> {
         current: &Explained,
         contact: Option<Explained>,
     ) -> Result<Option<Explained>, ExplainError> {
-        if contact.as_ref().is_some_and(Explained::complete) {
+        // Where the declared model is within the noise of the samples, that it is so with an effect says nothing.
+        let done = |one: &Explained| one.complete() && (!current.complete() || one.left().is_near_noise());
+        if contact.as_ref().is_some_and(done) {
             return Ok(contact);
         }
         let rivals = std::mem::take(&mut self.rivals);
@@ -76,7 +79,8 @@ impl Search<'_> {
         let worth = |c: &&BalanceCandidate| c.criterion + EVIDENCE < plain;
         let worthy: Vec<&BalanceCandidate> = candidates.iter().filter(worth).collect();
         let found = worthy.par_iter().filter_map(|c| self.with_structure(current, c).ok()).collect();
-        let found = self.take_best(current, found).map(|found| self.further(found, current.excess()));
+        let found = self.take_best(current, found).map(|found| self.with_power(found));
+        let found = found.map(|found| self.further(found, current.excess()));
         // A force that the balance does not show must leave nothing else to be explained.
         let ahead = |found: &Explained| {
             found.complete()
@@ -94,6 +98,33 @@ impl Search<'_> {
                 self.rivals = rivals;
                 Ok(contact)
             }
+        }
+    }
+
+    /// Damping by the square of the velocity, by any power about it where that explains better: a tangent at rest knows the square only, and a
+    /// laboratory's formula may be another.
+    fn with_power(&self, found: Explained) -> Explained {
+        let mut setting = found.fitted.setting.clone();
+        let Some(port) = setting.ports.pop() else { return found };
+        let square = match (port.law, port.coefficients) {
+            (PortLaw::Polynomial, [0.0, 0.0, 0.0, square]) if !found.left().is_noise() => square,
+            _ => return found,
+        };
+        let fastest = self.study.fastest_sensor();
+        let coefficients = [square * fastest * fastest, 2.0, fastest, 0.0];
+        let port = Port { law: PortLaw::Power, coefficients, ..port };
+        let form = self.study.form(&setting, port, (&[0, 1], thresholds(&[], PortLaw::Power)));
+        let mut other = found.clone();
+        other.fitted.setting = form.setting;
+        let brought = found.own(found.effects.len() - 1).len();
+        other.added.truncate(found.added.len() - brought);
+        other.added.extend(form.unknowns);
+        if let Some(count) = other.counts.last_mut() {
+            *count = other.added.len() + brought - found.added.len();
+        }
+        match self.study.polished(&other) {
+            Ok(better) if better.criterion + EVIDENCE < found.criterion => better,
+            _ => found,
         }
     }
 

@@ -1,27 +1,31 @@
 //! Effects inside a law: looked at on few runs, fitted to their end on all.
 
 use super::{
-    ALL_STEPS, COARSE, ENDED, FINE, Fitted, GLANCE, LOOKED, MODULATION, PART, QUICK_RUNS, SECOND_RUNS, Search,
+    ALL_STEPS, COARSE, ENDED, FINE, Fitted, GLANCE, LOOKED, MANY_VALUES, MODULATION, PART, QUICK_RUNS,
+    SECOND_RUNS, Search,
 };
 use crate::aperiodic::run::{OpenRun, Wave};
 use crate::aperiodic::wave;
-use crate::contact_search::few_of_each;
+use crate::contact_search::{POOR, few_of_each};
 use crate::effects::{ALL, ContactForm, Effect, Reach, apply};
+use crate::law_starts::beside;
 use crate::study::merge;
-use frettrace_friction::effects::Hook;
+use frettrace_friction::effects::{Hook, ModifiedLaw};
 use rayon::prelude::*;
 
 impl Search<'_> {
     /// Every effect that a law along a history can carry, its best form each: all forms on few runs, the best on more, the best effects on all.
     pub(super) fn candidates(&self, current: &Fitted) -> Vec<Fitted> {
-        let forms = self.forms(current);
         let waves = wave::candidates(&self.training, current);
         let mut begun: Vec<Fitted> = Vec::new();
-        for (effect, form) in &forms {
-            if ALL[*effect].id() == MODULATION {
-                begun.extend(waves.iter().map(|waves| with_form(current, (*effect, form), waves)));
-            } else {
-                begun.push(with_form(current, (*effect, form), &[]));
+        for law in self.laws(current) {
+            let from = Fitted { law, ..current.clone() };
+            for (effect, form) in &self.forms(&from) {
+                if ALL[*effect].id() == MODULATION {
+                    begun.extend(waves.iter().map(|waves| with_form(&from, (*effect, form), waves)));
+                } else {
+                    begun.push(with_form(&from, (*effect, form), &[]));
+                }
             }
         }
         let looked = self.looked(&begun, (&self.some(QUICK_RUNS), COARSE, GLANCE));
@@ -36,6 +40,16 @@ impl Search<'_> {
         let ended = |one: &Fitted| self.fitted(&self.with_waves(&one.waves), one, (ALL_STEPS, false));
         let used = |one: &Fitted| !self.is_idle(one);
         second.iter().take(ENDED).filter_map(ended).filter(used).collect()
+    }
+
+    /// Laws that forms begin from: the fitted one, and where that misses the runs by far, so that it may be bent too much to show what it
+    /// lacks, others as the histories show them.
+    fn laws(&self, current: &Fitted) -> Vec<ModifiedLaw<f64>> {
+        let far = current.effects.is_empty() && current.cost > POOR * self.count();
+        let many = current.unknowns.len() >= MANY_VALUES;
+        let others = self.sight.filter(|_| far && many);
+        let others = others.into_iter().flat_map(|law| beside(&law, self.scales.velocity));
+        std::iter::once(current.law).chain(others).collect()
     }
 
     /// Whether the last effect of a model has nothing that the runs could tell: a memory shorter than a sample, a wave longer than the stroke.
