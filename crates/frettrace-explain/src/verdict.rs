@@ -207,6 +207,9 @@ impl Search<'_> {
             {
                 fitted = better.clone();
                 current = better;
+                if let Some((one, _)) = single.as_mut().filter(|_| current.effects.len() == 1) {
+                    one.clone_from(&current);
+                }
                 if current.complete() && !self.series_open(&current) {
                     break;
                 }

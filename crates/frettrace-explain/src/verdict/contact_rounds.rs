@@ -27,7 +27,8 @@ impl Search<'_> {
             // Every effect would stand in for what the declared law does with other values.
             base = self.study.contact_base_from_all_about(&recovered, &setting, &law, base)?;
         }
-        if !base.meets() {
+        // An effect of another laboratory's formula need not meet the contacts.
+        if !base.meets() && current.effects.is_empty() {
             return None;
         }
         setting = base.placed_in(&setting);
