@@ -168,6 +168,13 @@ impl Search<'_> {
         }
     }
 
+    /// Whether no contact force closes the balance, with the structure anywhere within what is declared of it.
+    fn is_open(&self, model: &Explained) -> bool {
+        let mut calibrated = model.clone();
+        self.calibrate(&mut calibrated);
+        !self.closed(&calibrated.fitted.setting)
+    }
+
     /// Adds effects until the model is complete or nothing more is worth it.
     fn close(&mut self, baseline: &Explained) -> Result<Explained, ExplainError> {
         let mut single = None;
