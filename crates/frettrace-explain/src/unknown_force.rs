@@ -165,9 +165,11 @@ impl Study<'_> {
 
     /// What acts on the beam is the excitation's or the structure's by what its force answers to; by its place where neither is told. A force
     /// at the exciter does to a single mode what one on that mode does: where one at a place of equal standing answers to its motion,
-    /// it is the structure's.
+    /// it is the structure's. One across the
+    /// beam at its support, as far as the sensors tell, is the contact's normal force.
     fn place_of(&self, setting: &Setting, source: &Source, equal: &[&Located]) -> EffectPlace {
         let answers = |located: &Located| self.asks(setting, located).is_some_and(|asks| asks.motion());
+        let is_support = |located: &Located| matches!(located.place, PortPlace::Support);
         match source {
             Source::Of(place) => *place,
             Source::Exciter(located) => match self.asks(setting, located) {
@@ -179,6 +181,7 @@ impl Study<'_> {
             },
             Source::Elsewhere(located) => match self.asks(setting, located) {
                 Some(asks) if asks.excitation() => EffectPlace::Excitation,
+                _ if equal.iter().any(|other| is_support(other) && answers(other)) => EffectPlace::Contact,
                 _ => EffectPlace::Structure,
             },
         }
