@@ -165,8 +165,7 @@ impl Study<'_> {
 
     /// What acts on the beam is the excitation's or the structure's by what its force answers to; by its place where neither is told. A force
     /// at the exciter does to a single mode what one on that mode does: where one at a place of equal standing answers to its motion,
-    /// it is the structure's. One across the
-    /// beam at its support, as far as the sensors tell, is the contact's normal force.
+    /// it is the structure's. One across the beam at its support, as far as the sensors tell, is the contact's normal force.
     fn place_of(&self, setting: &Setting, source: &Source, equal: &[&Located]) -> EffectPlace {
         let answers = |located: &Located| self.asks(setting, located).is_some_and(|asks| asks.motion());
         let is_support = |located: &Located| matches!(located.place, PortPlace::Support);

@@ -106,14 +106,13 @@ impl<'a> Begun<'a> {
         let Self { mut search, mut baseline } = self;
         let followed = baseline.complete() || search.within_method;
         // Where both other splits contradicted it, the declared model lacks something however little shows where it is fitted.
+        let settled = followed && !search.series_open(&baseline) && split != Split::One;
         // So it does where no contact force closes the balance, however little of that shows among the noise of all samples.
-        let done =
-            followed && !search.series_open(&baseline) && split != Split::One && !search.is_open(&baseline);
-        let mut model = if done {
-            search.released(&baseline).unwrap_or_else(|| baseline.clone())
-        } else {
-            search.close(&baseline)?
-        };
+        let done = settled && !search.is_open(&baseline);
+        let mut model = if done { baseline.clone() } else { search.close(&baseline)? };
+        if settled && model.effects.is_empty() {
+            model = search.released(&model).unwrap_or(model);
+        }
         if let Some(better) = search.rebased(&baseline, &model) {
             if better.complete() && !search.is_open(&better) {
                 model = better.clone();

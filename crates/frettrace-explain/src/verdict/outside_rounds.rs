@@ -101,13 +101,17 @@ impl Search<'_> {
         }
     }
 
-    /// Damping by the square of the velocity, by any power about it where that explains better: a tangent at rest knows the square only, and a
+    /// Damping of a place by the square of the velocity, by any power about it where that explains better: a tangent at rest knows the square only, and a
     /// laboratory's formula may be another.
     fn with_power(&self, found: Explained) -> Explained {
         let mut setting = found.fitted.setting.clone();
         let Some(port) = setting.ports.pop() else { return found };
-        let square = match (port.law, port.coefficients) {
-            (PortLaw::Polynomial, [0.0, 0.0, 0.0, square]) if !found.left().is_noise() => square,
+        let square = match port {
+            Port {
+                place: PortPlace::At(_),
+                law: PortLaw::Polynomial,
+                coefficients: [0.0, 0.0, 0.0, square],
+            } if !found.left().is_noise() => square,
             _ => return found,
         };
         let fastest = self.study.fastest_sensor();
