@@ -59,8 +59,8 @@ impl Search<'_> {
         current: &Explained,
         contact: Option<Explained>,
     ) -> Result<Option<Explained>, ExplainError> {
-        // Where the declared model is within the noise of the samples, that it is so with an effect says nothing.
-        let done = |one: &Explained| one.complete() && (!current.complete() || one.left().is_near_noise());
+        // Of a weak effect, or where the declared model is within the noise of the samples itself, that it is so with an effect says little.
+        let done = |one: &Explained| one.complete() && one.left().is_noise();
         if contact.as_ref().is_some_and(done) {
             return Ok(contact);
         }
