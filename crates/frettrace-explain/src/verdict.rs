@@ -1,7 +1,7 @@
 //! The verdict: nothing missing, explained by named effects, or unexplained with a place.
 
-use crate::effects::{ALL, shaped};
-use crate::search::{Explained, excess};
+use crate::effects::ALL;
+use crate::search::Explained;
 use crate::series_fit::SeriesContact;
 use crate::study::as_declared;
 use crate::{ExplainError, RunError, Study, Unknown};
@@ -12,6 +12,7 @@ mod asked_again;
 mod baseline;
 mod choice;
 mod contact_rounds;
+mod finer;
 mod outcome;
 mod outside_rounds;
 
@@ -24,22 +25,6 @@ pub(crate) const MOST_EFFECTS: usize = 2;
 pub(crate) const EVIDENCE: f64 = 10.0;
 /// Largest share of the excess over the noise that a second effect may leave: a mechanism that is there takes its own away.
 const PROXY: f64 = 0.4;
-/// A model nearer to the noise than this is fitted further, and on a finer grid, before it is judged.
-const NEAR: f64 = 6.0;
-/// … and so is one that leaves no more than this share of the excess before it.
-const MOST_TAKEN: f64 = 0.05;
-/// Finer grids, each twice as fine as the one before, that a model may get, and that one with a rigid contact may.
-const MOST_REFINED: usize = 2;
-const MOST_REFINED_RIGID: usize = 3;
-/// Steps of a fit that begins anew on a finer grid.
-const ANEW: usize = 30;
-/// Share of the excess that a finer grid must take it to, to be kept, …
-const FINER: f64 = 0.7;
-/// … and the one from which the fit came to rest elsewhere: twice the lines divide the error of a grid by three, its power by nine.
-const AT_REST: f64 = 0.25;
-/// Error over amplitude up to which the balance of a rigid contact is not known to be right itself: twice what separates it from
-/// the march in time (9e-5 to 1.2e-4 in the validation).
-const RIGID_ACCURACY: f64 = 2e-4;
 /// Relative error of the recovered force of a run without a period from which the law is in doubt: five times the accuracy
 /// with which such a force is recovered.
 pub(crate) const SERIES_OPEN: f64 = 0.05;
@@ -311,93 +296,6 @@ impl Search<'_> {
         found
     }
 
-    /// A longer fit; then, where that is near the noise but not within it, or has most of what was `lacked` (an excess), one on a
-    /// finer grid.
-    fn further(&mut self, mut current: Explained, lacked: f64) -> Explained {
-        if current.complete() {
-            return current;
-        }
-        if let Ok(better) = self.study.polished(&current)
-            && better.criterion < current.criterion
-        {
-            current = better;
-        }
-        // Kinks of the contact send their force to every line: its error falls with each finer grid. A rigid contact has no other
-        // corners than these, and a declared one may be far from the noise for nothing else.
-        let kinked = current.fitted.setting.rigid && current.effects.is_empty();
-        let near = kinked || current.ratio <= NEAR || current.excess() <= MOST_TAKEN * lacked;
-        let most = if kinked { MOST_REFINED_RIGID } else { MOST_REFINED };
-        // What a finer grid may leave is no reason for another one.
-        let told = |search: &Self, current: &Explained| {
-            current.complete() || kinked && search.refined > 0 && search.within_method(current)
-        };
-        while !told(self, &current) && near && self.refined < most {
-            let finer = if kinked { self.study.refined() } else { self.study.resolved(&current.fitted) };
-            let Ok(Some(mut study)) = finer else { break };
-            match on_finer(&study, &current) {
-                Some(mut better) if better.excess() < FINER * current.excess() => {
-                    if kinked && let Some(doubted) = doubting(&mut study, &self.study, &better) {
-                        better = doubted;
-                    }
-                    let coarser = (std::mem::replace(&mut self.study, study), self.refined);
-                    self.coarse.get_or_insert(coarser);
-                    self.refined += 1;
-                    current = better;
-                }
-                _ => break,
-            }
-        }
-        current
-    }
-
-    /// A complete model with names, whose lines hold more than the noise, on finer grids: what the kinks of the contact send
-    /// beyond the lines of a grid comes back to all of them, and is nothing that the names leave.
-    fn sharpened(&mut self, mut current: Explained) -> Explained {
-        while self.refined < MOST_REFINED && !current.effects.is_empty() && !current.left().is_near_noise() {
-            let Ok(Some(study)) = self.study.resolved(&current.fitted) else { break };
-            let left = FINER * current.left().excess();
-            let sharper = on_finer(&study, &current);
-            let Some(sharper) = sharper.filter(|s| s.complete() && s.left().excess() < left) else { break };
-            self.study = study;
-            self.refined += 1;
-            current = sharper;
-        }
-        current
-    }
-
-    /// The same with the further values of its last effect's shape, where it leaves more than the noise of what was `lacked`: the form
-    /// that did best on the recovered contacts may be another laboratory's.
-    fn shaped(&mut self, current: Explained, lacked: f64) -> Explained {
-        let Some(&effect) = current.effects.last().filter(|_| !current.complete()) else { return current };
-        let mut richer = current.clone();
-        let law = &mut richer.fitted.setting.law;
-        let brought = shaped(effect, law, &current.added, &self.study.scales);
-        if brought.is_empty() {
-            return current;
-        }
-        richer.added.extend(brought);
-        if let Some(count) = richer.counts.last_mut() {
-            *count += richer.added.len() - current.added.len();
-        }
-        match self.study.polished(&richer) {
-            Ok(better) if better.criterion + EVIDENCE < current.criterion => self.further(better, lacked),
-            _ => current,
-        }
-    }
-
-    /// Whether what a model with a rigid contact leaves beside the noise is no more than its balance may be wrong by.
-    fn within_method(&self, model: &Explained) -> bool {
-        let error = self.study.error(&model.fitted, &self.study.training);
-        model.ratio <= BORNE_OUT && by_method(model, error)
-    }
-
-    /// Back to the plain grid, where a model on the finer one is not kept.
-    fn coarsened(&mut self) {
-        if let Some(coarse) = self.coarse.take() {
-            (self.study, self.refined) = coarse;
-        }
-    }
-
     /// Errors of a model: training runs, then held-out runs where there are any.
     fn errors(&self, model: &Explained) -> Vec<RunError> {
         [&self.study.training, &self.study.held_out]
@@ -454,47 +352,6 @@ impl Search<'_> {
         let complete = shorter.filter(Explained::complete);
         complete.min_by(|a, b| a.criterion.total_cmp(&b.criterion)).unwrap_or(current)
     }
-}
-
-/// A model fitted anew on a finer grid. A rigid contact's law and structure were bent to what the coarser grid had cut short, and a fit
-/// may not find back from there: the declared law begins from the declared structure and from its recovered contacts as well.
-fn on_finer(study: &Study<'_>, current: &Explained) -> Option<Explained> {
-    let mut best = study.polished(current).ok();
-    let setting = &current.fitted.setting;
-    if !setting.rigid || !current.effects.is_empty() {
-        return best;
-    }
-    let declared = study.case.setting(setting.law);
-    let recovered = || study.laws_on_contacts(&declared).unwrap_or_default();
-    for law in std::iter::once(setting.law).chain(std::iter::once_with(recovered).flatten()) {
-        if best.as_ref().is_some_and(|best| best.complete() || best.excess() < AT_REST * current.excess()) {
-            break;
-        }
-        let setting = Setting { law, ..declared.clone() };
-        let anew = study.whole(setting, &study.case.unknowns(), (Vec::new(), Vec::new()), ANEW).ok();
-        best = best.into_iter().chain(anew).min_by(|a, b| a.criterion.total_cmp(&b.criterion));
-    }
-    best
-}
-
-/// A model of a rigid contact fitted with the error of the phase grid among the deviations of the lines: the structure is no longer bent to
-/// what the grid cuts short. `None`, and nothing doubted, where that leads away from the data: far from the right law the two grids
-/// are apart for other reasons.
-fn doubting<'a>(study: &mut Study<'a>, coarser: &Study<'a>, model: &Explained) -> Option<Explained> {
-    let known: Vec<_> = study.model.runs.iter().map(|run| run.deviation.clone()).collect();
-    study.doubt_grid(coarser, &model.fitted);
-    let found = study.polished(model).ok();
-    let found = found.filter(|found| found.complete() || found.excess() < model.excess());
-    if found.is_none() {
-        study.model.runs.iter_mut().zip(known).for_each(|(run, known)| run.deviation = known);
-    }
-    found
-}
-
-/// Whether an error of a rigid contact holds beside the noise no more than its balance may be wrong by.
-fn by_method(model: &Explained, error: RunError) -> bool {
-    let excess = excess(error.ratio());
-    model.fitted.setting.rigid && error.relative() * (excess / (1.0 + excess)).sqrt() <= RIGID_ACCURACY
 }
 
 /// The least that a model with another effect leaves over the noise.

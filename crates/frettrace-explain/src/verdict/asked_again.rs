@@ -4,8 +4,9 @@
 //! among the fitted ones and others are held out. A name may leave little, yet more than the noise: a mechanism that is there
 //! leaves nothing. Then the search is made again without that name, and what explains better stands.
 
+use super::finer::NEAR;
 use super::outcome::{Outcome, is_followed};
-use super::{CONTRADICTED, EVIDENCE, FORETOLD, NEAR, Rival, Search};
+use super::{CONTRADICTED, EVIDENCE, FORETOLD, Rival, Search};
 use crate::effects::ALL;
 use crate::search::Explained;
 use crate::{Case, ExplainError, Split, Study};

@@ -1,6 +1,7 @@
 //! The choice among models with one effect more: fits to their end, simpler names, what they foretell.
 
-use super::{EVIDENCE, FINER, NEAR, Rival, Search, Tried};
+use super::finer::{FINER, NEAR};
+use super::{EVIDENCE, Rival, Search, Tried};
 use crate::Study;
 use crate::effects::{ALL, Reach, Simpler};
 use crate::search::Explained;

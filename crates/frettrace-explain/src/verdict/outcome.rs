@@ -1,8 +1,8 @@
 //! What is said in the end: verdict, names, place, errors and what a reader must know.
 
+use super::finer::{RIGID_ACCURACY, by_method};
 use super::{
-    BALANCE_CALIBRATED, BORNE_OUT, CONTRADICTED, EVIDENCE, FORETOLD, HELD_OUT, HELD_OUT_SHARE,
-    RIGID_ACCURACY, Rival, Search, by_method,
+    BALANCE_CALIBRATED, BORNE_OUT, CONTRADICTED, EVIDENCE, FORETOLD, HELD_OUT, HELD_OUT_SHARE, Rival, Search,
 };
 use crate::effects::{ALL, EffectPlace};
 use crate::left::LeftLines;
