@@ -15,6 +15,7 @@ mod contact_rounds;
 mod finer;
 mod outcome;
 mod outside_rounds;
+mod rules;
 
 pub use asked_again::explain;
 pub use outcome::{Named, Outcome, Place, Tried, Verdict};

@@ -5,7 +5,8 @@
 //! leaves nothing. Then the search is made again without that name, and what explains better stands.
 
 use super::finer::NEAR;
-use super::outcome::{Outcome, is_followed};
+use super::outcome::Outcome;
+use super::rules::is_followed;
 use super::{CONTRADICTED, EVIDENCE, FORETOLD, Rival, Search};
 use crate::effects::ALL;
 use crate::search::Explained;

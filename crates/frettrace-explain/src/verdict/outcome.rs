@@ -1,25 +1,13 @@
 //! What is said in the end: verdict, names, place, errors and what a reader must know.
 
 use super::finer::{RIGID_ACCURACY, by_method};
-use super::{
-    BALANCE_CALIBRATED, BORNE_OUT, CONTRADICTED, EVIDENCE, FORETOLD, HELD_OUT, HELD_OUT_SHARE, Rival, Search,
-};
+use super::rules::{helps, is_followed, may_be, stays_with_contact, stays_with_sensor, takes_all};
+use super::{BALANCE_CALIBRATED, BORNE_OUT, EVIDENCE, FORETOLD, HELD_OUT, Rival, Search};
 use crate::effects::{ALL, EffectPlace};
-use crate::left::LeftLines;
-use crate::search::{DOMINANT, Explained, OTHER_FORMULA, REST, RIVALS, excess};
+use crate::search::{Explained, OTHER_FORMULA};
 use crate::study::as_declared;
 use crate::{ChannelFault, RunError};
 use frettrace_forward::accelerations::Quantity;
-
-/// Share of what a closed balance holds beside the noise that one more free value a line may leave, where it is the place of what is
-/// missing.
-const TAKEN: f64 = 0.5;
-
-/// Standard deviations of χ² below which what two formulas leave is not told apart.
-const CHANCES: f64 = 1.0;
-
-/// Factor by which what is left at one sensor must exceed what is left at the others.
-const ALONE: f64 = 10.0;
 
 /// The outcome.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -339,51 +327,11 @@ impl Search<'_> {
     }
 }
 
-/// Whether a known rival may be what acts: the name's formula is in doubt, since it leaves more than the noise of the lines or does not
-/// foretell the runs held out, and the rival leaves on the lines, beside their noise, less than ten times as much. Evidence between
-/// two formulas that are both another laboratory's says nothing of the names.
-fn may_be(rival: f64, own: LeftLines, foretold: bool) -> bool {
-    let exact = own.is_noise() && foretold;
-    !exact && rival < RIVALS * own.excess().max(CHANCES * own.chance())
-}
-
 /// What is said of runs held out that are missed by so many times the noise, where one set of values follows all runs.
 fn of_one(missed: f64) -> String {
     format!(
         "the fitted runs leave the values too uncertain to foretell those held out ({missed:.2} times the noise): one set of values follows all of them within the noise"
     )
-}
-
-/// Whether runs that nothing was fitted to are better off: by standard errors of their improvement, and by a real share of what was missing
-/// in them, told from their error over the noise before and after.
-pub(super) fn helps(improvement: f64, [before, after]: [f64; 2]) -> bool {
-    improvement > HELD_OUT && excess(after) <= HELD_OUT_SHARE * excess(before)
-}
-
-/// Whether a name, whose model follows the runs that it was fitted to, is not contradicted by those held out: their error over the noise
-/// before and after. Beside the noise it may leave what the fitted values are uncertain by, more where that is a hundredth of what was
-/// missing in them, and any where it is a trace of that.
-pub(super) fn is_followed(before: f64, after: f64) -> bool {
-    let left = excess(after) / excess(before);
-    after <= FORETOLD || after <= CONTRADICTED && left <= REST || left <= DOMINANT
-}
-
-/// Whether a mechanism that is there may leave that: on the lines, and as a share of what was missing in all samples, from the excess before
-/// and after.
-fn takes_all(left: LeftLines, [before, after]: [f64; 2]) -> bool {
-    left.is_near_noise() || after <= REST * before
-}
-
-/// Whether what a closed balance holds beside the noise stays where one more value a line is free: χ² per degree of freedom without and
-/// with it.
-fn stays_with_contact(reduced: f64, left: f64) -> bool {
-    left - 1.0 > TAKEN * (reduced - 1.0)
-}
-
-/// Whether what is left is left at one sensor: more than chance brings, and far more than at the others, so that the model of the rig has no
-/// part in it.
-fn stays_with_sensor([own, others]: [LeftLines; 2]) -> bool {
-    !own.is_noise() && own.excess() > ALONE * others.excess().max(others.chance())
 }
 
 /// A fault of a channel as a named effect: it was seen in the samples themselves.
@@ -431,94 +379,4 @@ fn parameters(model: &Explained, place: usize) -> Vec<(String, String, f64, f64)
             Some((u.parameter.name.clone(), u.parameter.unit.clone(), value, std))
         })
         .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{is_followed, may_be, stays_with_contact, stays_with_sensor, takes_all};
-    use crate::left::LeftLines;
-
-    /// χ² and residuals at the sensor with a named gain, and at the others, of three simulated rigs where that sensor hears another one;
-    /// then of the noise alone, of a model that misses all sensors, and of what chance may leave at one.
-    #[test]
-    fn what_a_gain_leaves_at_its_sensor_alone_is_another_fault() {
-        let left = |[own, others]: [[f64; 2]; 2]| {
-            [own, others].map(|[chi_squared, count]| LeftLines { chi_squared, count })
-        };
-        for alone in [
-            [[3692.0, 480.0], [2365.0, 2400.0]],
-            [[518.0, 176.0], [1054.0, 1056.0]],
-            [[3682.0, 296.0], [2780.0, 1480.0]],
-        ] {
-            assert!(stays_with_sensor(left(alone)), "{alone:?}");
-        }
-        for other in [
-            [[480.0, 480.0], [2400.0, 2400.0]],
-            [[900.0, 480.0], [3500.0, 2400.0]],
-            [[530.0, 480.0], [2400.0, 2400.0]],
-        ] {
-            assert!(!stays_with_sensor(left(other)), "{other:?}");
-        }
-    }
-
-    /// χ² and residuals of a film, and what a lag leaves beside the noise, on a simulated rig with a lag of bounded rate: both follow the
-    /// fitted runs, and miss those held out by a tenth. A film that foretells them rules the lag out, and so does one
-    /// that leaves a tenth as much.
-    #[test]
-    fn a_formula_in_doubt_does_not_rule_its_rivals_out() {
-        let left = |chi_squared: f64| LeftLines { chi_squared, count: 1400.0 };
-        assert!(may_be(0.175, left(1616.4), false));
-        assert!(!may_be(0.175, left(1616.4), true));
-        assert!(may_be(0.175, left(1700.0), true));
-        assert!(!may_be(1.7, left(1616.4), false));
-    }
-
-    /// Held-out errors over the noise of simulated rigs: quadratic damping, taken from the list, leaves viscous friction as what is
-    /// nearest to it (two rigs); presliding damping and asymmetry with another formula are what acts.
-    #[test]
-    fn a_name_that_misses_held_out_runs_took_all_but_a_trace() {
-        assert!(!is_followed(8.154, 1.149));
-        assert!(!is_followed(19.615, 1.290));
-        assert!(is_followed(271.654, 1.145));
-        assert!(is_followed(65.799, 1.058));
-    }
-
-    /// The same of wear taken from the list, which a film stands in for, and of weak effects beside their own names: a cubic spring, a mode's
-    /// damping.
-    #[test]
-    fn held_out_runs_leave_a_weak_name_no_more_than_its_values_are_uncertain_by() {
-        assert!(!is_followed(1.522, 1.074));
-        assert!(is_followed(1.321, 1.018));
-        assert!(is_followed(1.126, 1.002));
-    }
-
-    /// χ² per residual and count of the lines, and share of the excess, of simulated rigs. Taken from the list: square damping twice (a second
-    /// support), an even spring (a second support and a mode), a spring in series (an exponent). Named right: a mode's damping,
-    /// a smooth asymmetry, ageing, Stribeck friction on the rig of another simulator.
-    #[test]
-    fn a_name_leaves_noise_or_a_trace() {
-        let left = |per_residual: f64, count: f64| LeftLines { chi_squared: per_residual * count, count };
-        for (per_residual, count, share) in [
-            (2.440, 2304.0, 0.0575),
-            (3.664, 10990.0, 0.593),
-            (2.466, 5088.0, 0.2135),
-            (3.188, 4040.0, 0.290),
-        ] {
-            assert!(!takes_all(left(per_residual, count), [1.0, share]), "{per_residual}");
-        }
-        for (per_residual, count, share) in
-            [(0.944, 2304.0, 0.0), (1.300, 610.0, 0.0), (1.664, 1736.0, 0.0049), (2.976, 4928.0, 0.0)]
-        {
-            assert!(takes_all(left(per_residual, count), [1.0, share]), "{per_residual}");
-        }
-    }
-
-    /// χ² per degree of freedom of the balance of two simulated rigs with an even spring on the beam, by itself and beside a force there; and
-    /// a noise that is declared a tenth too small.
-    #[test]
-    fn a_balance_that_is_all_but_closed_may_still_tell_the_place() {
-        assert!(!stays_with_contact(1.215, 0.969));
-        assert!(!stays_with_contact(1.300, 0.875));
-        assert!(stays_with_contact(1.21, 1.21));
-    }
 }

@@ -1,6 +1,6 @@
 //! One effect more outside the contact.
 
-use super::outcome::helps;
+use super::rules::helps;
 use super::{BALANCE_CALIBRATED, BALANCE_CLOSED, EVIDENCE, PROXY, Rival, Search, Tried};
 use crate::balance_fit::BalanceCandidate;
 use crate::contact_search::ContactCandidate;
