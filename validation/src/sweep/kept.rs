@@ -59,12 +59,11 @@ mod tests {
     use crate::sweep::plan::plan;
     use crate::sweep::{CLEAN, SEED};
 
-    /// A rigid contact is marched in little time.
+    /// Measurement and effect of a set with one.
     #[test]
     fn a_kept_set_is_the_one_that_was_made() {
         let plan = plan(SEED, CLEAN);
-        let planned =
-            plan.iter().find(|set| set.name.contains("gain") && set.name.contains("coulomb")).unwrap();
+        let planned = plan.iter().find(|set| set.name == "measurement.gain 1 dahl rotation").unwrap();
         let folder = tempfile::tempdir().unwrap();
         let made = asked(planned, None).unwrap();
         let written = asked(planned, Some(folder.path())).unwrap();
