@@ -95,12 +95,12 @@ impl Search<'_> {
         Ok(self.take_best(current, found))
     }
 
-    /// A round over the contact, fitted to its end; where that does not complete the model and the law is far from the contacts, the same
-    /// from softened lines.
+    /// A round over the contact, fitted to its end; where that does not complete the declared model and its law is far from the contacts, the
+    /// same from softened lines. With an effect in it a law has come near enough.
     pub(super) fn contact(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {
         let before = self.clone();
         let found = self.contact_to_its_end(current, false)?;
-        if found.as_ref().is_some_and(Explained::complete) {
+        if found.as_ref().is_some_and(Explained::complete) || !current.effects.is_empty() {
             return Ok(found);
         }
         let mut other = before;
