@@ -139,7 +139,7 @@ impl Search<'_> {
 
     /// Whether the names of a complete model leave nothing of what was missing: the noise of the lines, or a trace. What stands in for a
     /// weak effect comes within the noise of all samples and leaves a part of the effect beside that of the lines.
-    fn takes_all(&self, baseline: &Explained, model: &Explained) -> bool {
+    pub(super) fn takes_all(&self, baseline: &Explained, model: &Explained) -> bool {
         self.claimed(model) == 0 || takes_all(model.left(), [baseline, model].map(Explained::excess))
     }
 

@@ -147,7 +147,9 @@ impl Search<'_> {
         let found = self.take_best(current, found)?;
         let held_out = &self.study.held_out;
         let error = |of: &Explained| self.study.error(&of.fitted, held_out).ratio();
-        let told = found.complete() && found.criterion + RELEASED < current.criterion;
+        let told = found.complete()
+            && found.criterion + RELEASED < current.criterion
+            && self.takes_all(current, &found);
         // What only the fitted runs ask for is an error of theirs, or of the model.
         let foretold = told
             && !held_out.is_empty()
