@@ -50,6 +50,11 @@ pub(crate) fn few_of_each<F: PartialEq>(
     });
 }
 
+/// Contacts on which a search begins.
+fn at_first(contacts: Contacts, softened: bool) -> Contacts {
+    if softened { contacts.softened() } else { contacts }
+}
+
 impl Study<'_> {
     /// The best forms on the recovered contacts, best first: a few steps for every form from every law on what is quick to march, all steps
     /// on everything for the best. The first of these may be on softened lines; what all cost at their end is that of the lines as they are.
@@ -67,10 +72,9 @@ impl Study<'_> {
             self.contact_steps(recovered, &setting, law_unknowns, (*index, form), (from, most))
                 .map(|found| (found, *k))
         };
-        let at_first = |contacts: Contacts| if softened { contacts.softened() } else { contacts };
         // A bowl leads on for longer than a valley.
         let glance = if softened { BEGIN } else { GLANCE };
-        let quick = at_first(recovered.quick());
+        let quick = at_first(recovered.quick(), softened);
         let begun = |k: usize| -> Vec<(ContactCandidate, usize)> {
             let (index, form) = &forms[k];
             let from = |law: &ModifiedLaw<f64>| {
@@ -92,7 +96,7 @@ impl Study<'_> {
             (*effect, form.changes.iter().map(|change| change.hook).collect::<Vec<_>>())
         });
         // Runs without a period, dear to march, join those that come near; what they cost the others is counted.
-        let steady = at_first(recovered.steady());
+        let steady = at_first(recovered.steady(), softened);
         let part: Vec<(ContactCandidate, usize)> =
             order.par_iter().filter_map(|&(_, place)| further(&steady, &glanced[place], PART)).collect();
         let best = part.iter().map(|(one, _)| one.criterion).fold(f64::INFINITY, f64::min);
@@ -124,7 +128,7 @@ impl Study<'_> {
         forms: &[(usize, ContactForm)],
     ) -> Vec<ContactCandidate> {
         let others = starts(&setting.law, self.fastest(recovered), (recovered, setting.rigid));
-        let quick = if softened { recovered.quick().softened() } else { recovered.quick() };
+        let quick = at_first(recovered.quick(), softened);
         let steps = |recovered: &Contacts,
                      k: usize,
                      law: ModifiedLaw<f64>,

@@ -98,12 +98,10 @@ impl Search<'_> {
     /// A round over the contact, fitted to its end; where that does not complete the declared model and its law is far from the contacts, the
     /// same from softened lines. With an effect in it a law has come near enough.
     pub(super) fn contact(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {
-        let before = self.clone();
+        let before = current.effects.is_empty().then(|| self.clone());
         let found = self.contact_to_its_end(current, false)?;
-        if found.as_ref().is_some_and(Explained::complete) || !current.effects.is_empty() {
-            return Ok(found);
-        }
-        let mut other = before;
+        let is_complete = found.as_ref().is_some_and(Explained::complete);
+        let Some(mut other) = before.filter(|_| !is_complete) else { return Ok(found) };
         match other.contact_to_its_end(current, true)? {
             Some(complete) if complete.complete() => {
                 *self = other;

@@ -120,12 +120,11 @@ impl Search<'_> {
         let form = self.study.form(&setting, port, (&[0, 1], thresholds(&[], PortLaw::Power)));
         let mut other = found.clone();
         other.fitted.setting = form.setting;
-        let brought = found.own(found.effects.len() - 1).len();
-        other.added.truncate(found.added.len() - brought);
-        other.added.extend(form.unknowns);
         if let Some(count) = other.counts.last_mut() {
-            *count = other.added.len() + brought - found.added.len();
+            other.added.truncate(found.added.len() - *count);
+            *count = form.unknowns.len();
         }
+        other.added.extend(form.unknowns);
         match self.study.polished(&other) {
             Ok(better) if better.criterion + EVIDENCE < found.criterion => better,
             _ => found,
