@@ -116,7 +116,9 @@ impl<'a> Begun<'a> {
             model = search.released(&model).unwrap_or(model);
         }
         if let Some(better) = search.rebased(&baseline, &model) {
-            if better.complete() && !search.is_open(&better) {
+            // One that misses the runs held out follows the others because it was bent to them.
+            let follows = better.complete() && search.held_out_ratio(&better) <= CONTRADICTED;
+            if follows && !search.is_open(&better) {
                 model = better.clone();
                 search.rivals.clear();
             }
@@ -128,6 +130,14 @@ impl<'a> Begun<'a> {
     }
 }
 
+impl Search<'_> {
+    /// Error over noise of the runs held out; 1 where there are none.
+    fn held_out_ratio(&self, model: &Explained) -> f64 {
+        let held_out = &self.study.held_out;
+        if held_out.is_empty() { 1.0 } else { self.study.error(&model.fitted, held_out).ratio() }
+    }
+}
+
 impl<'a> Found<'a> {
     fn by(case: &'a Case, split: Split) -> Result<Self, ExplainError> {
         Begun::new(case, split)?.searched(split)
@@ -135,8 +145,7 @@ impl<'a> Found<'a> {
 
     /// Error over noise of the runs held out; 1 where there are none.
     fn held_out_ratio(&self) -> f64 {
-        let study = &self.search.study;
-        if study.held_out.is_empty() { 1.0 } else { study.error(&self.model.fitted, &study.held_out).ratio() }
+        self.search.held_out_ratio(&self.model)
     }
 
     /// Whether the declared model follows the runs it was fitted to and misses those held out.
