@@ -61,7 +61,7 @@ pub struct Scales {
     pub length: f64,
     /// Mass of the beam (kg).
     pub mass: f64,
-    /// Part of the excitation's frequency that the base frequencies of all periodic runs have in common.
+    /// Smallest part of the excitation's frequency that a periodic run moves at: weaker ones may not show it beside their noise.
     pub subharmonic: usize,
 }
 

@@ -121,7 +121,7 @@ pub(crate) fn scales(case: &Case, histories: &[ContactHistory]) -> Scales {
         preload: mean_preload(case),
         length: case.rig.beam.length,
         mass: case.rig.beam.mass_per_length * case.rig.beam.length,
-        subharmonic: common(case.records.iter().filter(|r| r.periodic).map(|r| r.subharmonic)).max(1),
+        subharmonic: case.records.iter().filter(|r| r.periodic).map(|r| r.subharmonic).max().unwrap_or(1),
     }
 }
 
@@ -189,18 +189,6 @@ fn told_by_next(ranked: &[usize], known: &[Option<f64>]) -> Vec<f64> {
         };
     }
     all
-}
-
-/// Greatest common divisor; 0 of nothing.
-fn common(all: impl Iterator<Item = usize>) -> usize {
-    let divisor = |a: usize, b: usize| {
-        let (mut a, mut b) = (a, b);
-        while b > 0 {
-            (a, b) = (b, a % b);
-        }
-        a
-    };
-    all.fold(0, divisor)
 }
 
 /// Level of `|F|/N` where the widest loop slides: the mean over the samples of at least half its top speed.

@@ -31,7 +31,8 @@ impl Effect for ExcitationPreloadModulation {
     }
 
     fn contact_forms(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<ContactForm> {
-        // The excitation's line, its double and triple, and the lines below it where all runs move at a fraction of it.
+        // The excitation's line, its double and triple, and the lines below it where a run moves at a fraction of it: those that hardly
+        // do have no such line, and none of the modulation.
         let under = scales.subharmonic.max(1);
         let below = (1..under).map(|over| FrequencyRatio { over, under });
         below
