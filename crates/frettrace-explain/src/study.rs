@@ -426,6 +426,23 @@ impl<'a> Study<'a> {
         left
     }
 
+    /// What a model leaves on the lines of some runs; without bound where it cannot predict one.
+    pub(crate) fn left_in(&self, fitted: &Fitted, runs: &[usize]) -> LeftLines {
+        let chi_squared = |(&run, prediction): (&usize, &Option<Prediction>)| {
+            let lines = &self.model.runs[run];
+            let measured = lines.acceleration.iter().flatten().zip(lines.deviation.iter().flatten());
+            prediction.as_ref().map_or(f64::INFINITY, |predicted| {
+                let pairs = measured.zip(predicted.iter().flatten());
+                pairs.map(|((at, std), predicted)| ((at - predicted) / std).norm_sqr()).sum()
+            })
+        };
+        let predictions = self.predictions(fitted, runs);
+        LeftLines {
+            chi_squared: runs.iter().zip(&predictions).map(chi_squared).sum(),
+            count: self.residuals_of(runs) as f64,
+        }
+    }
+
     /// Error of the selected runs together.
     #[must_use]
     pub fn error(&self, fitted: &Fitted, selected: &[usize]) -> RunError {

@@ -1,9 +1,9 @@
 //! Fits to their end: further steps, finer phase grids, the further values of a shape.
 
 use super::{BORNE_OUT, EVIDENCE, Search};
+use crate::Study;
 use crate::effects::shaped;
 use crate::search::{Explained, excess};
-use crate::{RunError, Study};
 use frettrace_forward::accelerations::Setting;
 
 /// A model nearer to the noise than this is fitted further, and on a finer grid, before it is judged.
@@ -100,8 +100,16 @@ impl Search<'_> {
 
     /// Whether what a model with a rigid contact leaves beside the noise is no more than its balance may be wrong by.
     pub(super) fn within_method(&self, model: &Explained) -> bool {
-        let error = self.study.error(&model.fitted, &self.study.training);
-        model.ratio <= BORNE_OUT && by_method(model, error)
+        model.ratio <= BORNE_OUT && self.by_method(model, &self.study.training)
+    }
+
+    /// Whether what a model with a rigid contact leaves in some runs is no more than its balance may be wrong by: its accuracy in all
+    /// samples, or, among the deviations of the lines, the error of the phase grid ([`Study::doubt_grid`]).
+    pub(super) fn by_method(&self, model: &Explained, runs: &[usize]) -> bool {
+        let error = self.study.error(&model.fitted, runs);
+        let excess = excess(error.ratio());
+        let accurate = error.relative() * (excess / (1.0 + excess)).sqrt() <= RIGID_ACCURACY;
+        model.fitted.setting.rigid && (accurate || self.study.left_in(&model.fitted, runs).is_noise())
     }
 
     /// Back to the plain grid, where a model on the finer one is not kept.
@@ -140,15 +148,10 @@ fn doubting<'a>(study: &mut Study<'a>, coarser: &Study<'a>, model: &Explained) -
     let known: Vec<_> = study.model.runs.iter().map(|run| run.deviation.clone()).collect();
     study.doubt_grid(coarser, &model.fitted);
     let found = study.polished(model).ok();
-    let found = found.filter(|found| found.complete() || found.excess() < model.excess());
+    let meets = |found: &Explained| found.complete() || found.left().is_noise();
+    let found = found.filter(|found| meets(found) || found.excess() < model.excess());
     if found.is_none() {
         study.model.runs.iter_mut().zip(known).for_each(|(run, known)| run.deviation = known);
     }
     found
-}
-
-/// Whether an error of a rigid contact holds beside the noise no more than its balance may be wrong by.
-pub(super) fn by_method(model: &Explained, error: RunError) -> bool {
-    let excess = excess(error.ratio());
-    model.fitted.setting.rigid && error.relative() * (excess / (1.0 + excess)).sqrt() <= RIGID_ACCURACY
 }

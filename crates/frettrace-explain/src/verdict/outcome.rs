@@ -1,6 +1,6 @@
 //! What is said in the end: verdict, names, place, errors and what a reader must know.
 
-use super::finer::{RIGID_ACCURACY, by_method};
+use super::finer::RIGID_ACCURACY;
 use super::rules::{helps, is_followed, may_be, stays_with_contact, stays_with_sensor, takes_all};
 use super::{BALANCE_CALIBRATED, BORNE_OUT, EVIDENCE, FORETOLD, HELD_OUT, Rival, Search};
 use crate::effects::{ALL, EffectPlace};
@@ -161,7 +161,7 @@ impl Search<'_> {
                 self.notes.push(of_one(error.ratio()));
                 return true;
             }
-            return error.ratio() <= BORNE_OUT || self.within_method && by_method(model, error);
+            return error.ratio() <= BORNE_OUT || self.within_method && self.by_method(model, held_out);
         }
         let found = self.study.improvement(&baseline.fitted, &model.fitted, held_out);
         self.notes
@@ -245,7 +245,7 @@ impl Search<'_> {
         }
         if self.within_method {
             self.notes.push(format!(
-                "what the declared model leaves, {:.2} times the noise, is within {RIGID_ACCURACY:.0e} of the amplitude, the accuracy of a rigid contact's balance: no effect is looked for below it",
+                "what the declared model leaves, {:.2} times the noise, is within the accuracy of a rigid contact's balance, {RIGID_ACCURACY:.0e} of the amplitude or what its phase grid may be wrong by: no effect is looked for below it",
                 baseline.ratio
             ));
         }
