@@ -148,7 +148,8 @@ fn doubting<'a>(study: &mut Study<'a>, coarser: &Study<'a>, model: &Explained) -
     let known: Vec<_> = study.model.runs.iter().map(|run| run.deviation.clone()).collect();
     study.doubt_grid(coarser, &model.fitted);
     let found = study.polished(model).ok();
-    let meets = |found: &Explained| found.complete() || found.left().is_noise();
+    // One that is complete on this grid is cut short by nothing.
+    let meets = |found: &Explained| found.complete() || !model.complete() && found.left().is_noise();
     let found = found.filter(|found| meets(found) || found.excess() < model.excess());
     if found.is_none() {
         study.model.runs.iter_mut().zip(known).for_each(|(run, known)| run.deviation = known);
