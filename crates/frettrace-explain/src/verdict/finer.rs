@@ -148,8 +148,9 @@ fn doubting<'a>(study: &mut Study<'a>, coarser: &Study<'a>, model: &Explained) -
     let known: Vec<_> = study.model.runs.iter().map(|run| run.deviation.clone()).collect();
     study.doubt_grid(coarser, &model.fitted);
     let found = study.polished(model).ok();
-    // One that is complete on this grid is cut short by nothing.
-    let meets = |found: &Explained| found.complete() || !model.complete() && found.left().is_noise();
+    // One that is complete on this grid is cut short by nothing, and one that is far from the noise of all samples does not bear it out.
+    let borne_out = |found: &Explained| found.ratio <= BORNE_OUT && found.left().is_noise();
+    let meets = |found: &Explained| found.complete() || !model.complete() && borne_out(found);
     let found = found.filter(|found| meets(found) || found.excess() < model.excess());
     if found.is_none() {
         study.model.runs.iter_mut().zip(known).for_each(|(run, known)| run.deviation = known);
