@@ -70,6 +70,9 @@ const CLEARER: f64 = 0.7;
 /// Share of its power that the lowest lines of a subharmonic may leave: between the whole of it and the least of
 /// [`CLEARER`].
 const NOTICED: f64 = 0.8;
+/// Standard deviations of chance beyond which a sensor hears the lines of a subharmonic, and the bins beside a line that tell the noise there.
+const CHANCE: f64 = 4.0;
+const NEAR: f64 = 6.0;
 /// Share of the band below half the sampling rate that is trusted: above it anti-alias filters bend every channel.
 pub(crate) const BAND: f64 = 0.8;
 /// Relative accuracy to which lines can be compared with any model of a beam: bounds the weight of a single line.
@@ -127,7 +130,7 @@ impl RunRecord {
             }
             let base = refined / subharmonic as f64;
             let few = highest(subharmonic, FEW_LINES);
-            if best.as_ref().is_none_or(|old| lessens(run, old, &of_base(base, few))) {
+            if best.as_ref().is_none_or(|old| lessens(run, old, subharmonic, &of_base(base, few))) {
                 tried(&mut best, subharmonic, MOST_LINES);
             }
         }
@@ -299,12 +302,37 @@ fn projected(run: &RunSamples<'_>, lines: &Lines) -> Result<(Vec<Projected>, Pro
     Ok((channels, projector.project(run.force)?))
 }
 
-/// Whether the few lowest lines of a subharmonic take something out of what lies beside the lines of a trial.
-fn lessens(run: &RunSamples<'_>, trial: &Trial, lines: &Lines) -> bool {
+/// Whether the few lowest lines of a subharmonic take something out of what lies beside the lines of a trial. A motion
+/// shows in more than one sensor; what a single one hears, a hum beside a fraction of the excitation, is no motion.
+fn lessens(run: &RunSamples<'_>, trial: &Trial, subharmonic: usize, lines: &Lines) -> bool {
     let rest: Vec<Vec<f64>> = trial.channels.iter().map(|c| c.residual.clone()).collect();
     let beside = RunSamples { acceleration: &rest, ..*run };
     let total = |channels: &[Projected]| channels.iter().map(|c| mean_square(&c.residual)).sum::<f64>();
-    projected(&beside, lines).is_ok_and(|(left, _)| total(&left) < NOTICED * total(&trial.channels))
+    projected(&beside, lines).is_ok_and(|(left, _)| {
+        total(&left) < NOTICED * total(&trial.channels)
+            && left.iter().filter(|channel| hears(channel, subharmonic, lines)).count() >= left.len().min(2)
+    })
+}
+
+/// Whether the lines of a subharmonic, those of the excitation left aside, are louder in a channel than what is left beside them,
+/// line by line: noise may be coloured. Of noise alone the mean ratio is about one, with a deviation of `√(2 / lines)`.
+fn hears(channel: &Projected, subharmonic: usize, lines: &Lines) -> bool {
+    let bins = channel.periodogram.len() as f64;
+    let spacing = lines.base * lines.samples as f64 / (std::f64::consts::TAU * lines.sampling_rate);
+    let ratio = |h: usize| {
+        let at = h as f64 * spacing;
+        let near = ((at - NEAR).max(1.0).ceil() as usize)..=(at + NEAR).min(bins - 1.0) as usize;
+        // Where a line is taken out its bin is empty.
+        let apart =
+            |bin: &usize| (*bin as f64 / spacing - (*bin as f64 / spacing).round()).abs() * spacing > 1.0;
+        let beside: Vec<f64> = near.filter(apart).map(|bin| channel.periodogram[bin]).collect();
+        let level = beside.iter().sum::<f64>() / beside.len().max(1) as f64;
+        let wave = 0.25 * lines.samples as f64 * channel.harmonics.coefficients[h].norm_sqr();
+        (level > 0.0).then(|| wave / level)
+    };
+    let ratios: Vec<f64> = (1..=lines.order).filter(|h| h % subharmonic != 0).filter_map(ratio).collect();
+    let count = ratios.len().max(1) as f64;
+    ratios.iter().sum::<f64>() / count > 1.0 + CHANCE * (2.0 / count).sqrt()
 }
 
 /// Mean square of what lines from the mean on make over a period.

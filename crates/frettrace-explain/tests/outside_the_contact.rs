@@ -532,18 +532,19 @@ fn check_lines_above(half: f64, subharmonic: usize) {
     assert!((0.8..1.3).contains(&share), "{share}");
 }
 
+/// Noise between -½ and ½: bits mixed as by splitmix64.
+fn white(k: u64) -> f64 {
+    let z = (k + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+}
+
 /// A free decay beside a line of 32.8 Hz: lines at the fifths of that, of which 6.56 Hz is near to its 6.9 Hz, hold most of it and leave
 /// more than the noise. It is a motion that has not settled, by a share of its power of 4e-5, and no subharmonic one.
 #[test]
 fn what_has_not_settled_is_no_subharmonic() {
     let excitation = 32.8;
-    // Bits mixed as by splitmix64.
-    let white = |k: u64| {
-        let z = (k + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-    };
     let line = |k: u64| (TAU * excitation * k as f64 / RATE).cos();
     let decay = |k: u64| {
         let t = k as f64 / RATE;
@@ -561,6 +562,33 @@ fn what_has_not_settled_is_no_subharmonic() {
     };
     let found = RunRecord::new(&run, Some(&[NOISE]), 0.0).unwrap();
     assert_eq!((found.subharmonic, found.periodic), (1, true));
+}
+
+/// Mains of 60 Hz lie 0.21 Hz beside the third of an excitation of 179.36 Hz, a fortieth of a bin of an eighth of a second. Where one
+/// sensor alone hears them they are no motion; where two do, a third of the excitation is what fits.
+#[test]
+fn what_one_sensor_hears_is_no_subharmonic() {
+    let excitation = 179.36;
+    let samples = (RATE / 8.0) as usize;
+    let line = |f: f64, k: usize| (TAU * f * k as f64 / RATE).cos();
+    let force: Vec<f64> = (0..samples).map(|k| line(excitation, k)).collect();
+    for (hums, subharmonic) in [([4.0, 0.0], 1), ([4.0, 4.0], 3)] {
+        let channel = |s: usize, k: usize| {
+            let noise = 12.0_f64.sqrt() * white((k + samples * s) as u64);
+            60.0 * line(excitation, k) + NOISE * (hums[s] * line(60.0, k) + noise)
+        };
+        let acceleration: Vec<Vec<f64>> =
+            (0..2).map(|s| (0..samples).map(|k| channel(s, k)).collect()).collect();
+        let run = RunSamples {
+            sampling_rate: RATE,
+            excitation_frequency: excitation,
+            preload: 70.0,
+            force: &force,
+            acceleration: &acceleration,
+        };
+        let found = RunRecord::new(&run, Some(&[NOISE; 2]), 0.0).unwrap();
+        assert_eq!(found.subharmonic, subharmonic);
+    }
 }
 
 /// Hum of 2 m/s² with a third harmonic over 24½ periods of the mains (49 halves of 41 samples): what a polynomial makes of the broken
