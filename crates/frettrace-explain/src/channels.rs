@@ -177,7 +177,7 @@ fn known_noise(mut records: Vec<RunRecord>) -> Vec<RunRecord> {
     records
 }
 
-fn mean_square(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+pub(crate) fn mean_square(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     let count = values.len().max(1) as f64;
     values.map(|v| v * v).sum::<f64>() / count
 }

@@ -1,7 +1,11 @@
 //! Runs as the model needs them: base frequency, lines with their deviations, and what lies beside the lines.
 
+mod above;
+
+use crate::channels::mean_square;
 use crate::unshared::unshared;
 use crate::{Clipped, Series};
+use above::Above;
 use frettrace_forward::accelerations::RunLines;
 use frettrace_fourier::{Lines, Projected, ProjectionError, Projector, refine};
 use num_complex::Complex64;
@@ -42,6 +46,10 @@ pub struct RunRecord {
     pub excess: Vec<f64>,
     /// Saturation of each sensor; its lines carry no weight.
     pub clipped: Vec<Option<Clipped>>,
+    /// Lines that are compared with nothing, first and last; none where the first is the later one.
+    untrusted_lines: (usize, usize),
+    /// The same lines of the sensors that are cut off.
+    above: Vec<Option<Above>>,
     /// What was recovered of a run that is not periodic; `None` for periodic runs, and where nobody recovered it.
     pub series: Option<Series>,
     /// What neither lines nor a constant hold, sample by sample.
@@ -54,6 +62,8 @@ pub struct RunRecord {
 
 /// Factor on the deviation of a sensor that says nothing.
 const SILENT: f64 = 1e6;
+/// Deviations of the noise from its limit within which a channel is cut off.
+const FLAT: f64 = 6.0;
 /// Highest line kept for a model, however high the sampling rate. What a stiff contact does above it is periodic all the same,
 /// and is compared with nothing.
 const MOST_LINES: usize = 160;
@@ -164,7 +174,16 @@ impl RunRecord {
                 self.lines.deviation[sensor].iter_mut().for_each(|d| *d *= SILENT);
             }
             self.clipped[sensor].clone_from(new);
+            self.above[sensor] = self.above(sensor);
         }
+    }
+
+    /// The lines that are compared with nothing, of a sensor that is cut off.
+    fn above(&self, sensor: usize) -> Option<Above> {
+        let Some(Clipped::Hard { limits: [low, high], raw, .. }) = &self.clipped[sensor] else { return None };
+        let edge = FLAT * self.noise[sensor];
+        let open = raw.iter().map(|x| *x > low + edge && *x < high - edge).collect();
+        Above::new(self.untrusted_lines, self.lines.omega / self.sampling_rate, open)
     }
 
     /// Gives sensors that clip their weight back: of lines that were not read from them.
@@ -187,7 +206,13 @@ impl RunRecord {
         Some(match self.clipped[sensor].as_ref()? {
             Clipped::Hard { limits: [low, high], raw, bend } => {
                 let bent = |x: f64| bend.map_or(x, |bend| bend.reads(x));
-                self.mean_square_error(raw, |x| bent(x).clamp(*low, *high), predicted)
+                let wave = self.wave(predicted);
+                let mut reads: Vec<f64> = wave.iter().map(|x| bent(*x)).collect();
+                if let Some(above) = &self.above[sensor] {
+                    let rest: Vec<f64> = raw.iter().zip(&reads).map(|(raw, reads)| raw - reads).collect();
+                    reads.iter_mut().zip(above.of(&rest)).for_each(|(reads, more)| *reads += more);
+                }
+                mean_square(raw.iter().zip(reads).map(|(raw, reads)| raw - reads.clamp(*low, *high)))
             }
             Clipped::Soft(saturation) => self.line_error(sensor, &saturation.lines(predicted)),
         })
@@ -196,22 +221,23 @@ impl RunRecord {
     /// The same with the prediction as it is.
     pub(crate) fn unclipped_error(&self, sensor: usize, predicted: &[Complex64]) -> Option<f64> {
         Some(match self.clipped[sensor].as_ref()? {
-            Clipped::Hard { raw, .. } => self.mean_square_error(raw, |x| x, predicted),
+            Clipped::Hard { raw, .. } => {
+                mean_square(raw.iter().zip(self.wave(predicted)).map(|(raw, wave)| raw - wave))
+            }
             Clipped::Soft(_) => self.line_error(sensor, predicted),
         })
     }
 
-    /// Mean square of what a channel read minus what it reads of predicted lines.
-    fn mean_square_error(&self, raw: &[f64], reads: impl Fn(f64) -> f64, predicted: &[Complex64]) -> f64 {
+    /// Predicted lines at the samples of the run.
+    fn wave(&self, predicted: &[Complex64]) -> Vec<f64> {
         let step = Complex64::from_polar(1.0, self.lines.omega / self.sampling_rate);
         let mut turn = Complex64::ONE;
-        let mut sum = 0.0;
-        for raw in raw {
-            let wave = predicted.iter().rev().fold(Complex64::ZERO, |sum, line| sum * turn + line).re;
-            sum += (raw - reads(wave)).powi(2);
+        let mut sample = || {
+            let value = predicted.iter().rev().fold(Complex64::ZERO, |sum, line| sum * turn + line).re;
             turn *= step;
-        }
-        sum / raw.len().max(1) as f64
+            value
+        };
+        (0..self.samples).map(|_| sample()).collect()
     }
 
     fn assemble(
@@ -240,7 +266,8 @@ impl RunRecord {
             .iter()
             .map(|c| {
                 let above = &c.harmonics.coefficients[order + 1..=highest];
-                mean_square(&c.residual) + above.iter().map(|a| 0.5 * a.norm_sqr()).sum::<f64>()
+                mean_square(c.residual.iter().copied())
+                    + above.iter().map(|a| 0.5 * a.norm_sqr()).sum::<f64>()
             })
             .collect();
         let beyond: f64 = channels
@@ -248,7 +275,7 @@ impl RunRecord {
             .flat_map(|c| &c.harmonics.coefficients[highest + 1..])
             .map(|a| 0.5 * a.norm_sqr())
             .sum();
-        let power: Vec<f64> = run.acceleration.iter().map(|x| mean_square(x)).collect();
+        let power: Vec<f64> = run.acceleration.iter().map(|x| mean_square(x.iter().copied())).collect();
         let contact_order = order + order / 4 + 4;
         let lines = RunLines {
             omega: force.harmonics.base,
@@ -273,6 +300,8 @@ impl RunRecord {
             power,
             excess: vec![0.0; run.acceleration.len()],
             clipped: vec![None; run.acceleration.len()],
+            untrusted_lines: (highest + 1, channels[0].harmonics.order()),
+            above: vec![None; run.acceleration.len()],
             noise,
             residual: channels.into_iter().map(|c| c.residual).collect(),
             samples,
@@ -307,7 +336,9 @@ fn projected(run: &RunSamples<'_>, lines: &Lines) -> Result<(Vec<Projected>, Pro
 fn lessens(run: &RunSamples<'_>, trial: &Trial, subharmonic: usize, lines: &Lines) -> bool {
     let rest: Vec<Vec<f64>> = trial.channels.iter().map(|c| c.residual.clone()).collect();
     let beside = RunSamples { acceleration: &rest, ..*run };
-    let total = |channels: &[Projected]| channels.iter().map(|c| mean_square(&c.residual)).sum::<f64>();
+    let total = |channels: &[Projected]| {
+        channels.iter().map(|c| mean_square(c.residual.iter().copied())).sum::<f64>()
+    };
     projected(&beside, lines).is_ok_and(|(left, _)| {
         total(&left) < NOTICED * total(&trial.channels)
             && left.iter().filter(|channel| hears(channel, subharmonic, lines)).count() >= left.len().min(2)
@@ -340,14 +371,10 @@ pub(crate) fn power(lines: impl Iterator<Item = Complex64>) -> f64 {
     lines.enumerate().map(|(h, line)| line.norm_sqr() * if h == 0 { 1.0 } else { 0.5 }).sum()
 }
 
-fn mean_square(x: &[f64]) -> f64 {
-    x.iter().map(|v| v * v).sum::<f64>() / x.len().max(1) as f64
-}
-
 /// Share of the power beside the lines.
 fn beside_share(run: &RunSamples<'_>, channels: &[Projected]) -> f64 {
-    let beside: f64 = channels.iter().map(|c| mean_square(&c.residual)).sum();
-    let power: f64 = run.acceleration.iter().map(|x| mean_square(x)).sum();
+    let beside: f64 = channels.iter().map(|c| mean_square(c.residual.iter().copied())).sum();
+    let power: f64 = run.acceleration.iter().map(|x| mean_square(x.iter().copied())).sum();
     beside / power.max(f64::MIN_POSITIVE)
 }
 
