@@ -55,11 +55,16 @@ impl Effect for FrictionLag {
         forms
     }
 
-    /// From a lag of first order to a delay.
+    /// From a lag of first order to a delay, and from one that follows at any rate to one of a bounded rate.
     fn shape(&self, law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {
-        let delay = Change::linear(Hook::LagDelay, 0.0, 0.3, (-0.9, 1.5));
-        let lags = known(law, &[Hook::LagTime, Hook::SpeedLag, Hook::VelocityLag]);
-        if lags { vec![delay] } else { Vec::new() }
+        if !known(law, &[Hook::LagTime, Hook::SpeedLag, Hook::VelocityLag]) {
+            return Vec::new();
+        }
+        vec![
+            Change::linear(Hook::LagDelay, 0.0, 0.3, (-0.9, 1.5)),
+            Change::linear(Hook::LagSaturation, 0.5, 1.0, (0.0, 50.0)),
+            Change::between(Hook::LagPower, 2.0, (0.5, 20.0)),
+        ]
     }
 
     fn is_idle(&self, law: &ModifiedLaw<f64>, reach: Reach) -> bool {

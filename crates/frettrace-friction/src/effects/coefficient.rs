@@ -13,7 +13,7 @@ use crate::lift::lift;
 const LEAST_FRICTION: f64 = 1e-6;
 
 /// `value/(1 + x^p)^{1/p}`, `x ≥ 0`.
-fn ended<T: Scalar>(value: T, x: T, power: T) -> T {
+pub(super) fn ended<T: Scalar>(value: T, x: T, power: T) -> T {
     let grown = (power * (x + 1e-9).ln()).exp();
     value * (-(grown.ln_1p() / power)).exp()
 }

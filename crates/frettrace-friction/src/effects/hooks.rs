@@ -1,7 +1,7 @@
 //! The parameters of the modified law.
 
 /// Number of hooks.
-pub const HOOKS: usize = 74;
+pub const HOOKS: usize = 75;
 
 /// A parameter of [`ModifiedLaw`](super::ModifiedLaw): those of the declared laws first, then those of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -128,6 +128,8 @@ pub enum Hook {
     AsymmetryPower,
     /// Power `p` of the end of a change with slip, `u/(1 + |u/s|^p)^{1/p}`; 2 is the plain one.
     PositionPower,
+    /// Power `p` of the bound of a lag's rate, `(s − m)/(τ (1 + (κ|s − m|)^p)^{1/p})`; 1 is the plain one.
+    LagPower,
     /// Sharpness `k` of the periodic change with slip, `asin(k w)/asin k` of its wave `w`: 0 leaves the wave, 1 is a triangle.
     PeriodicSharpness,
     /// Power `n` with which play closes, `dw = max(y·sgn v, 0)ⁿ du` with `y = (u − w)/β` and half the play `β` (Bouc and Wen's element with
@@ -223,6 +225,7 @@ impl Hook {
         Self::WearSettling,
         Self::AsymmetryPower,
         Self::PositionPower,
+        Self::LagPower,
         Self::PeriodicSharpness,
         Self::BacklashPower,
         Self::LagDelay,
@@ -334,6 +337,7 @@ impl Hook {
             Self::WearSettling => ("wear_settling", "1"),
             Self::AsymmetryPower => ("asymmetry_power", "1"),
             Self::PositionPower => ("position_power", "1"),
+            Self::LagPower => ("lag_power", "1"),
             Self::PeriodicSharpness => ("periodic_sharpness", "1"),
             Self::BacklashPower => ("backlash_power", "1"),
             Self::FilmExponent => ("film_exponent", "1"),

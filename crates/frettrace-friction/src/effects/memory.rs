@@ -1,5 +1,6 @@
 //! What the contact remembers beside its deflection: the lagging curve or velocity, the film, the age.
 
+use super::coefficient::ended;
 use super::hooks::Hook;
 use super::kernel::{decay_mean, relax};
 use super::modified::{End, ModifiedLaw, ModifiedState};
@@ -59,13 +60,20 @@ impl<T: Scalar> ModifiedLaw<T> {
         }
     }
 
-    /// A lag behind `target` over `e` of its times: `dm/dt = (s − m)/(τ (1 + κ|s − m|/scale))`, linear where `κ = 0`, of bounded
-    /// rate `scale/(κτ)` where the two are far apart. The slowing is the mean of its values at both ends (order two).
+    /// A lag behind `target` over `e` of its times: `dm/dt = (s − m)/(τ (1 + x^p)^{1/p})`, `x = κ|s − m|/scale`, linear where `κ = 0`,
+    /// of bounded rate `scale/(κτ)` where the two are far apart; a plain `p` is 1. The slowing is the mean of its values at both
+    /// ends (order two).
     fn follow(&self, memory: T, target: [T; 2], e: T, scale: T) -> T {
         if !self.on(Hook::LagSaturation) {
             return relax(memory, 1.0, target, e);
         }
-        let slowing = |distance: T| self.at(Hook::LagSaturation) * distance.abs() / scale + 1.0;
+        let slowing = |distance: T| {
+            let x = self.at(Hook::LagSaturation) * distance.abs() / scale;
+            if !self.on(Hook::LagPower) {
+                return x + 1.0;
+            }
+            T::from(1.0) / ended(T::from(1.0), x, self.at(Hook::LagPower))
+        };
         let begin = slowing(target[0] - memory);
         let end = slowing(target[1] - relax(memory, 1.0, target, e / begin));
         relax(memory, 1.0, target, e / ((begin + end) * 0.5))

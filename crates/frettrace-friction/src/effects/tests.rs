@@ -112,6 +112,17 @@ fn neutral_shapes_change_nothing() {
             0.0,
             1e-12,
         ),
+        (
+            vec![
+                (Hook::StribeckRise, 0.2),
+                (Hook::StribeckVelocity, 0.5),
+                (Hook::LagTime, 0.05),
+                (Hook::LagSaturation, 3.0),
+            ],
+            Hook::LagPower,
+            1.0,
+            1e-7,
+        ),
         (vec![(Hook::Sigma1, 0.01), (Hook::DampingVelocity, 1.0)], Hook::DampingRational, 0.0, 1e-12),
         (
             vec![
@@ -269,6 +280,7 @@ fn derivatives_agree_with_differences() {
         (Hook::RationalShare, 0.4),
         (Hook::LagTime, 0.05),
         (Hook::LagSaturation, 1.5),
+        (Hook::LagPower, 1.7),
         (Hook::Asymmetry, 0.1),
         (Hook::Position, 0.2),
         (Hook::NormalExponent, 0.3),
