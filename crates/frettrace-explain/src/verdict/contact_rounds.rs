@@ -1,6 +1,6 @@
 //! One effect more in the contact.
 
-use super::{EVIDENCE, Search, Tried};
+use super::{EVIDENCE, PROXY, Rival, Search, Tried};
 use crate::effects::ALL;
 use crate::search::Explained;
 use crate::study::merge;
@@ -53,12 +53,12 @@ impl Search<'_> {
         self.calibrated(setting, &structural)
     }
 
-    /// The best effect of the contact with the whole model. The search may begin on softened lines, where the law misses even those.
+    /// The best effect of the contact with the whole model, and all that were fitted. The search may begin on softened lines, where the law misses even those.
     fn contact_round(
         &mut self,
         current: &Explained,
         softened: bool,
-    ) -> Result<Option<Explained>, ExplainError> {
+    ) -> Result<Option<(Explained, Vec<Explained>)>, ExplainError> {
         let unknowns = merge(&self.study.case.unknowns(), &current.added);
         let (law, _) = Unknown::parted(&unknowns);
         let mut setting = self.unbent(current);
@@ -91,8 +91,9 @@ impl Search<'_> {
             // In the place of a name that leaves a trace stands one that leaves none, or none does.
             candidates.retain(|candidate| candidate.reduced < TRACELESS);
         }
-        let found = self.study.contact_round(current, &candidates);
-        Ok(self.take_best(current, found))
+        let mut found = self.study.contact_round(current, &candidates);
+        found.iter_mut().for_each(|one| one.book(current));
+        Ok(self.take_best(current, found.clone()).map(|best| (best, found)))
     }
 
     /// A round over the contact, fitted to its end; where that does not complete the declared model and its law is far from the contacts, the
@@ -116,7 +117,27 @@ impl Search<'_> {
         current: &Explained,
         softened: bool,
     ) -> Result<Option<Explained>, ExplainError> {
-        let found = self.contact_round(current, softened)?.map(|found| self.further(found, current.excess()));
-        Ok(found.map(|found| self.shaped(found, current.excess())))
+        let Some((best, others)) = self.contact_round(current, softened)? else { return Ok(None) };
+        let lacked = current.excess();
+        let best = self.further(best, lacked);
+        let best = self.shaped(best, lacked);
+        if best.complete() {
+            return Ok(Some(best));
+        }
+        // What does better with one formula may be no nearer to another's than what does worse.
+        let takes_its_own = |one: &Explained| one.excess() <= PROXY * lacked;
+        let others = others.into_iter().filter(|one| one.effects != best.effects && takes_its_own(one));
+        let shaped = others.filter_map(|other| {
+            let mut search = self.clone();
+            let other = search.shaped(other, lacked);
+            other.complete().then_some((search, other))
+        });
+        let Some((search, found)) = shaped.min_by(|a, b| a.1.criterion.total_cmp(&b.1.criterion)) else {
+            return Ok(Some(best));
+        };
+        *self = search;
+        self.rivals = Rival::of_better(&found, (&best, std::mem::take(&mut self.rivals)));
+        self.rivals.retain(|rival| Some(&rival.effect) != found.effects.last());
+        Ok(Some(found))
     }
 }
