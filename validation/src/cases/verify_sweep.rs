@@ -19,8 +19,9 @@ const QUICK: f64 = 1.0;
 /// valley (a film was named), two stand-ins for what is not in the list, dampings far from their start, a film for a Stribeck curve with another
 /// formula, a drift whose settling form was not asked, a formula behind three starts of another, a law far from the contacts; runs without a period
 /// whose law was bent to what it lacks, damping by another power than two, the same within the noise of all samples, and a weak one for which friction stood in; a modulation that the
-/// weakest runs hide, a name given up for a law that missed the runs held out, a rigid contact that chatters.
-const MENDED: [(u64, &str); 16] = [
+/// weakest runs hide, a name given up for a law that missed the runs held out, a rigid contact that chatters; a hum beside a third of the excitation,
+/// lines near half the sampling rate of a channel that clips, a lag of which a film stood in the way.
+const MENDED: [(u64, &str); 19] = [
     (251, "clean 2 lugre rotation"),
     (251, "structure.quadratic-damping 1 hybrid transverse"),
     (251, "unlisted:structure/even-stiffness 1 dahl transverse"),
@@ -37,6 +38,9 @@ const MENDED: [(u64, &str); 16] = [
     (261, "excitation.preload-modulation 1 dahl rotation"),
     (261, "friction.lag 1 lugre rotation"),
     (261, "clean 39 stribeck transverse"),
+    (261, "measurement.hum 2 dahl rotation"),
+    (261, "measurement.clipping 1 hybrid transverse"),
+    (261, "friction.lag/saturating 1 hybrid transverse"),
 ];
 
 fn run() -> anyhow::Result<Outcome> {
