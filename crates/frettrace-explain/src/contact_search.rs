@@ -98,12 +98,13 @@ impl Study<'_> {
         let moved: Result<Vec<Moved>, AccelerationError> = declared
             .par_iter()
             .filter_map(|unknown| {
-                let (quantity, std) = (unknown.quantity, unknown.parameter.prior?.std);
+                let (quantity, bounds) = (unknown.quantity, unknown.parameter.bounds);
+                let std = unknown.parameter.prior?.std;
                 let value = setting.get(quantity)?;
                 let mut other = setting.clone();
                 other.set(quantity, value + std);
                 let contacts = self.recovered_runs(&other, &self.training, beside);
-                Some(contacts.map(|contacts| Moved { quantity, value, std, contacts }))
+                Some(contacts.map(|contacts| Moved { quantity, value, std, bounds, contacts }))
             })
             .collect();
         Ok(Leeway::new(plain.to_vec(), moved?, (&setting.law, setting.modulation)))

@@ -23,6 +23,8 @@ pub(crate) struct Moved {
     pub quantity: Quantity,
     pub value: f64,
     pub std: f64,
+    /// Values that it may have: a damping ratio known to a third of itself is positive all the same.
+    pub bounds: (f64, f64),
     pub contacts: Vec<Recovered>,
 }
 
@@ -83,7 +85,8 @@ impl Leeway {
         }
     }
 
-    /// The structure that goes with a residual that is not whitened: each quantity with its most likely value, within the deviations it may be off by.
+    /// The structure that goes with a residual that is not whitened: each quantity with its most likely value, within the deviations it may
+    /// be off by and the values it may have.
     pub fn likely(&self, problem: &ContactProblem<'_>, residual: &[f64]) -> Vec<(Quantity, f64)> {
         let mut shares = DVector::from_vec(self.along(problem, residual));
         shares
@@ -92,7 +95,10 @@ impl Leeway {
             .for_each(|(share, size)| *share *= -size / (1.0 + size * size));
         let off = self.turned.tr_mul(&shares);
         let known = self.open.moved.iter().zip(off.iter());
-        known.map(|(one, off)| (one.quantity, one.value + one.std * off.clamp(-FARTHEST, FARTHEST))).collect()
+        let likely = |one: &Moved, off: f64| {
+            (one.value + one.std * off.clamp(-FARTHEST, FARTHEST)).max(one.bounds.0).min(one.bounds.1)
+        };
+        known.map(|(one, off)| (one.quantity, likely(one, *off))).collect()
     }
 
     /// `Uᵀ r`.
