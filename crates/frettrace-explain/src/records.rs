@@ -354,10 +354,13 @@ fn hears(channel: &Projected, subharmonic: usize, lines: &Lines) -> bool {
         let at = h as f64 * spacing;
         let near = ((at - NEAR).max(1.0).ceil() as usize)..=(at + NEAR).min(bins - 1.0) as usize;
         // Where a line is taken out its bin is empty.
-        let apart =
-            |bin: &usize| (*bin as f64 / spacing - (*bin as f64 / spacing).round()).abs() * spacing > 1.0;
+        let lies = |bin: usize| bin as f64 / spacing;
+        let apart = |bin: &usize| (lies(*bin) - lies(*bin).round()).abs() * spacing > 1.0;
         let beside: Vec<f64> = near.filter(apart).map(|bin| channel.periodogram[bin]).collect();
-        let level = beside.iter().sum::<f64>() / beside.len().max(1) as f64;
+        let level = match beside.len() {
+            0 => channel.residual_std.powi(2),
+            count => beside.iter().sum::<f64>() / count as f64,
+        };
         let wave = 0.25 * lines.samples as f64 * channel.harmonics.coefficients[h].norm_sqr();
         (level > 0.0).then(|| wave / level)
     };

@@ -53,7 +53,8 @@ impl Search<'_> {
         self.calibrated(setting, &structural)
     }
 
-    /// The best effect of the contact with the whole model, and all that were fitted. The search may begin on softened lines, where the law misses even those.
+    /// The best effect of the contact with the whole model, and all that were fitted. The search may begin on softened lines, where the
+    /// law misses even those.
     fn contact_round(
         &mut self,
         current: &Explained,
@@ -91,8 +92,7 @@ impl Search<'_> {
             // In the place of a name that leaves a trace stands one that leaves none, or none does.
             candidates.retain(|candidate| candidate.reduced < TRACELESS);
         }
-        let mut found = self.study.contact_round(current, &candidates);
-        found.iter_mut().for_each(|one| one.book(current));
+        let found = self.study.contact_round(current, &candidates);
         Ok(self.take_best(current, found.clone()).map(|best| (best, found)))
     }
 
