@@ -1,14 +1,12 @@
 //! Runs as the model needs them: base frequency, lines with their deviations, and what lies beside the lines.
 
-mod above;
-
 use crate::channels::mean_square;
 use crate::unshared::unshared;
 use crate::{Clipped, Series};
-use above::Above;
 use frettrace_forward::accelerations::RunLines;
-use frettrace_fourier::{Lines, Projected, ProjectionError, Projector, refine};
+use frettrace_fourier::{Lines, OpenLines, Projected, ProjectionError, Projector, refine};
 use num_complex::Complex64;
+use std::sync::Arc;
 
 /// Samples of one run.
 #[derive(Clone, Debug)]
@@ -49,7 +47,7 @@ pub struct RunRecord {
     /// Lines that are compared with nothing, first and last; none where the first is the later one.
     untrusted_lines: (usize, usize),
     /// The same lines of the sensors that are cut off.
-    above: Vec<Option<Above>>,
+    above: Vec<Option<Arc<OpenLines>>>,
     /// What was recovered of a run that is not periodic; `None` for periodic runs, and where nobody recovered it.
     pub series: Option<Series>,
     /// What neither lines nor a constant hold, sample by sample.
@@ -178,12 +176,13 @@ impl RunRecord {
         }
     }
 
-    /// The lines that are compared with nothing, of a sensor that is cut off.
-    fn above(&self, sensor: usize) -> Option<Above> {
+    /// The lines that are compared with nothing, of a sensor that is cut off: near half the sampling rate, and above a model's. A channel that is
+    /// read as it is projects them out with its own.
+    fn above(&self, sensor: usize) -> Option<Arc<OpenLines>> {
         let Some(Clipped::Hard { limits: [low, high], raw, .. }) = &self.clipped[sensor] else { return None };
         let edge = FLAT * self.noise[sensor];
-        let open = raw.iter().map(|x| *x > low + edge && *x < high - edge).collect();
-        Above::new(self.untrusted_lines, self.lines.omega / self.sampling_rate, open)
+        let open: Vec<bool> = raw.iter().map(|x| *x > low + edge && *x < high - edge).collect();
+        OpenLines::new(self.untrusted_lines, self.lines.omega / self.sampling_rate, &open).map(Arc::new)
     }
 
     /// Gives sensors that clip their weight back: of lines that were not read from them.

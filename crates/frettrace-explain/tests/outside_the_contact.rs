@@ -75,16 +75,11 @@ fn measured(rig: &SimulatedRig, amplitudes: &[f64]) -> Vec<SimulatedRecord> {
 }
 
 fn samples(measured: &[SimulatedRecord]) -> Vec<RunSamples<'_>> {
-    measured
-        .iter()
-        .map(|record| RunSamples {
-            sampling_rate: RATE,
-            excitation_frequency: FREQUENCY,
-            preload: 70.0,
-            force: &record.force,
-            acceleration: &record.acceleration,
-        })
-        .collect()
+    measured.iter().map(|record| run(FREQUENCY, &record.force, &record.acceleration)).collect()
+}
+
+fn run<'a>(excitation_frequency: f64, force: &'a [f64], acceleration: &'a [Vec<f64>]) -> RunSamples<'a> {
+    RunSamples { sampling_rate: RATE, excitation_frequency, preload: 70.0, force, acceleration }
 }
 
 /// What a file would declare: nothing of what is attached or wrong.
@@ -516,13 +511,7 @@ fn check_lines_above(half: f64, subharmonic: usize) {
             + NOISE * (0.8 * line(165.0, k) + 12.0_f64.sqrt() * white(k))
     };
     let acceleration = [(0..8000).map(channel).collect()];
-    let run = RunSamples {
-        sampling_rate: RATE,
-        excitation_frequency: RATE / 400.0,
-        preload: 70.0,
-        force: &force,
-        acceleration: &acceleration,
-    };
+    let run = run(RATE / 400.0, &force, &acceleration);
     let found = RunRecord::new(&run, Some(&[NOISE]), 0.0).unwrap();
     assert_eq!((found.subharmonic, found.periodic), (subharmonic, true));
     // √1.32 with it.
@@ -553,13 +542,7 @@ fn what_has_not_settled_is_no_subharmonic() {
     let force: Vec<f64> = (0..2048).map(line).collect();
     let channel = |k: u64| 60.0 * line(k) + 0.4 * decay(k) + NOISE * 12.0_f64.sqrt() * white(k);
     let acceleration = [(0..2048).map(channel).collect()];
-    let run = RunSamples {
-        sampling_rate: RATE,
-        excitation_frequency: excitation,
-        preload: 70.0,
-        force: &force,
-        acceleration: &acceleration,
-    };
+    let run = run(excitation, &force, &acceleration);
     let found = RunRecord::new(&run, Some(&[NOISE]), 0.0).unwrap();
     assert_eq!((found.subharmonic, found.periodic), (1, true));
 }
@@ -579,13 +562,7 @@ fn what_one_sensor_hears_is_no_subharmonic() {
         };
         let acceleration: Vec<Vec<f64>> =
             (0..2).map(|s| (0..samples).map(|k| channel(s, k)).collect()).collect();
-        let run = RunSamples {
-            sampling_rate: RATE,
-            excitation_frequency: excitation,
-            preload: 70.0,
-            force: &force,
-            acceleration: &acceleration,
-        };
+        let run = run(excitation, &force, &acceleration);
         let found = RunRecord::new(&run, Some(&[NOISE; 2]), 0.0).unwrap();
         assert_eq!(found.subharmonic, subharmonic);
     }

@@ -15,6 +15,7 @@
 //! |---|---|
 //! | [`Harmonics`] | a periodic signal, with the variance of each line |
 //! | [`Projector`] | whole records to harmonics, by least squares: no integer number of periods is needed |
+//! | [`OpenLines`] | some lines of a record that is read in a part of its samples only |
 //! | [`refine`] | the base frequency from the record itself |
 //! | [`Sampler`] | samples of many harmonics of one base frequency |
 //! | [`Grid`] | samples of one period to harmonics and back |
@@ -24,6 +25,7 @@ mod frequency;
 mod grid;
 mod harmonics;
 mod noise;
+mod open_lines;
 mod phasors;
 mod plans;
 mod projection;
@@ -34,6 +36,7 @@ pub use frequency::{Frequency, refine};
 pub use grid::{Grid, GridError, GridScratch};
 pub use harmonics::Harmonics;
 pub use noise::{spectrum, tapered_spectrum};
+pub use open_lines::OpenLines;
 pub use projection::{Lines, Projected, ProjectionError, Projector};
 pub use sampler::Sampler;
 pub use sums::{dot, sum, variance};

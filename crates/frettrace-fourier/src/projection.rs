@@ -260,15 +260,9 @@ fn normal_matrix(lines: &Lines, theta: f64, phasors: &Phasors, polynomials: &[Ve
     let sums: Vec<Complex64> = (0..=2 * order).map(|m| dirichlet(m as f64 * theta, lines.samples)).collect();
     let crossed: Vec<Vec<Complex64>> = polynomials.iter().map(|p| phasors.transform(p)).collect();
     let g = |m: isize| if m < 0 { sums[m.unsigned_abs()].conj() } else { sums[m.unsigned_abs()] };
-    let trigonometric = |i: usize, k: usize| {
+    let entry = |i: usize, k: usize| {
         let (h, q) = (line_of(i, order), line_of(k, order));
-        let (sum, difference) = (g(h + q), g(h - q));
-        match (i <= order, k <= order) {
-            (true, true) => 0.5 * (difference.re + sum.re),
-            (false, false) => 0.5 * (difference.re - sum.re),
-            (false, true) => 0.5 * (sum.im + difference.im),
-            (true, false) => 0.5 * (sum.im - difference.im),
-        }
+        trigonometric([g(h + q), g(h - q)], [i <= order, k <= order])
     };
     let mixed = |i: usize, d: usize| {
         let z = crossed[d][line_of(i, order).unsigned_abs()];
@@ -280,13 +274,23 @@ fn normal_matrix(lines: &Lines, theta: f64, phasors: &Phasors, polynomials: &[Ve
     for k in 0..unknowns {
         for i in k..unknowns {
             normal[(i, k)] = match (i < first, k < first) {
-                (true, _) => trigonometric(i, k),
+                (true, _) => entry(i, k),
                 (false, true) => mixed(k, i - first),
                 (false, false) => dot(&polynomials[i - first], &polynomials[k - first]),
             };
         }
     }
     normal
+}
+
+/// Sum over the samples of two waves of the lines `h` and `q`, cosines or sines, from `g(h + q)` and `g(h − q)`, `g(m) = Σ e^{imθj}`.
+pub(crate) fn trigonometric([sum, difference]: [Complex64; 2], cosines: [bool; 2]) -> f64 {
+    0.5 * match cosines {
+        [true, true] => difference.re + sum.re,
+        [false, false] => difference.re - sum.re,
+        [false, true] => sum.im + difference.im,
+        [true, false] => sum.im - difference.im,
+    }
 }
 
 fn line_of(unknown: usize, order: usize) -> isize {
