@@ -1,6 +1,6 @@
 //! Flat tops: samples that pile up at the largest or smallest value of a channel.
 
-use super::{ChannelFault, Channels, Clipped};
+use super::{ChannelFault, Channels, Clipped, period};
 use crate::RunSamples;
 
 /// Samples at an extreme value beside those just inside it: a smooth maximum has 2.4 times as many in the outer half, one
@@ -12,7 +12,7 @@ const FEWEST: usize = 8;
 /// every period lie alone at the top of any signal.
 const CONSECUTIVE: usize = 3;
 /// Share of the samples of a flat top that lie in such runs and, of a normal distribution's 98.8 %, within 2.5 standard
-/// deviations of its middle: three samples on a parabola whose neighbours lie beyond the pile leave at most 85 %.
+/// deviations of its middle.
 const LEVEL: f64 = 0.9;
 /// Peak-to-peak of a signal over its noise below which flat tops cannot be told from noise.
 const LOUD: f64 = 60.0;
@@ -33,7 +33,7 @@ pub(super) fn find(
         let mut cut = 0;
         for (run, samples) in runs.iter().enumerate() {
             let raw = &samples.acceleration[sensor];
-            let Some((found, flat)) = flat_tops(raw, std, reach) else { continue };
+            let Some((found, flat)) = flat_tops(raw, std, (reach, period(samples))) else { continue };
             cut += flat;
             let widest = limits.get_or_insert(found);
             *widest = [widest[0].min(found[0]), widest[1].max(found[1])];
@@ -54,11 +54,15 @@ pub(super) fn find(
 }
 
 /// Values at which a channel saturates, infinite where it does not, and the samples there; `reach` is the least and the largest value of
-/// the channel in any run.
-fn flat_tops(signal: &[f64], std: f64, [low, high]: [f64; 2]) -> Option<([f64; 2], usize)> {
+/// the channel in any run, `period` the samples of a period of the excitation.
+fn flat_tops(
+    signal: &[f64],
+    std: f64,
+    ([low, high], period): ([f64; 2], usize),
+) -> Option<([f64; 2], usize)> {
     let negative: Vec<f64> = signal.iter().map(|x| -x).collect();
-    let top = flat_top(signal, std, high);
-    let bottom = flat_top(&negative, std, -low);
+    let top = flat_top(signal, std, (high, period));
+    let bottom = flat_top(&negative, std, (-low, period));
     if top.is_none() && bottom.is_none() {
         return None;
     }
@@ -66,8 +70,9 @@ fn flat_tops(signal: &[f64], std: f64, [low, high]: [f64; 2]) -> Option<([f64; 2
     Some(([bottom.map_or(f64::NEG_INFINITY, |b| -b.0), top.map_or(f64::INFINITY, |t| t.0)], flat))
 }
 
-/// The value of a flat top and its samples; `reach` is the largest value of the channel in any run.
-fn flat_top(signal: &[f64], std: f64, reach: f64) -> Option<(f64, usize)> {
+/// The value of a flat top and its samples; `reach` is the largest value of the channel in any run. What stays there for a whole period
+/// is held there: a vibration comes down from a limit.
+fn flat_top(signal: &[f64], std: f64, (reach, period): (f64, usize)) -> Option<(f64, usize)> {
     let mut sorted = signal.to_vec();
     sorted.sort_by(|a, b| b.total_cmp(a));
     let (high, low) = (*sorted.first()?, *sorted.last()?);
@@ -78,7 +83,9 @@ fn flat_top(signal: &[f64], std: f64, reach: f64) -> Option<(f64, usize)> {
     let next = sorted[same];
     let beside = sorted[same..].iter().take_while(|x| **x >= next).count();
     if same >= FEWEST && same as f64 > PILE * beside as f64 && high - low > 0.0 {
-        return Some((high, same));
+        let longest =
+            signal.chunk_by(|a, b| a == b).filter(|stretch| stretch[0] >= high).map(<[f64]>::len).max();
+        return (longest < Some(period.max(FEWEST + 1))).then_some((high, same));
     }
     // Noise that was added after the saturation rounds the pile. What another run exceeds is no limit.
     if std <= 0.0 || high - low < LOUD * std || reach > high + 6.0 * std {
@@ -88,21 +95,31 @@ fn flat_top(signal: &[f64], std: f64, reach: f64) -> Option<(f64, usize)> {
     let inner = sorted[outer..].iter().take_while(|x| **x > high - 12.0 * std).count();
     let piled = outer >= 4 * FEWEST && outer as f64 > PILE * inner.max(1) as f64;
     let middle = sorted[outer / 2];
-    (piled && is_level(signal, high - 6.0 * std, [middle, 2.5 * std])).then_some((middle, outer))
+    (piled && is_level(signal, high - 6.0 * std, [middle, std])).then_some((middle, outer))
 }
 
-/// Whether the samples above `threshold` come several in a row and scatter about their middle no more than noise does.
-fn is_level(signal: &[f64], threshold: f64, [middle, reach]: [f64; 2]) -> bool {
+/// Whether the samples above `threshold` come several in a row, scatter about their `middle` no more than noise of deviation `std` does,
+/// and lie as high at their ends as between them. Of five and more in a row the outer two may lie on the slopes and are not asked; of
+/// fewer, a slope of 25 deviations a sample leaves `6²/(2·25)` = 0.7 of them, and a parabola whose samples lie within five about two.
+fn is_level(signal: &[f64], threshold: f64, [middle, std]: [f64; 2]) -> bool {
     let above = |x: &f64| *x > threshold;
     let runs = signal.chunk_by(|a, b| above(a) == above(b)).filter(|run| above(&run[0]));
     let (mut all, mut together, mut near) = (0, 0, 0);
+    let (mut sag, mut tops) = (0.0, 0);
     for run in runs {
         all += run.len();
-        together += if run.len() >= CONSECUTIVE { run.len() } else { 0 };
-        near += run.iter().filter(|x| (**x - middle).abs() < reach).count();
+        near += run.iter().filter(|x| (**x - middle).abs() < 2.5 * std).count();
+        if run.len() < CONSECUTIVE {
+            continue;
+        }
+        together += run.len();
+        let inner = if run.len() >= CONSECUTIVE + 2 { &run[1..run.len() - 1] } else { run };
+        let last = inner.len() - 1;
+        sag += inner[1..last].iter().sum::<f64>() / (last - 1) as f64 - 0.5 * (inner[0] + inner[last]);
+        tops += 1;
     }
     let least = LEVEL * all as f64;
-    together as f64 >= least && near as f64 >= least
+    together as f64 >= least && near as f64 >= least && sag <= f64::from(tops) * std
 }
 
 #[cfg(test)]
@@ -124,7 +141,10 @@ mod tests {
     fn few_phases_are_no_flat_top() {
         for (samples, amplitude) in [(8.0, 100.0), (25.0, 143.0), (12.0, 1000.0)] {
             let signal = noisy(|n| amplitude * (TAU * n / samples).cos());
-            assert!(flat_tops(&signal, 1.0, [0.0; 2]).is_none(), "{samples} samples a period");
+            assert!(
+                flat_tops(&signal, 1.0, ([0.0; 2], samples as usize)).is_none(),
+                "{samples} samples a period"
+            );
         }
     }
 
@@ -134,11 +154,39 @@ mod tests {
         for samples in [25.0, 38.31] {
             let signal = noisy(|n| (300.0 * (TAU * n / samples).cos()).min(240.0));
             // Another run reads 260: that is no limit.
-            assert!(flat_tops(&signal, 1.0, [-300.0, 260.0]).is_none());
-            let (limits, _) = flat_tops(&signal, 1.0, [-300.0, 244.0]).unwrap();
+            assert!(flat_tops(&signal, 1.0, ([-300.0, 260.0], 38)).is_none());
+            let (limits, _) = flat_tops(&signal, 1.0, ([-300.0, 244.0], 38)).unwrap();
             // The middle of some 800 samples is known to 1.25/√800 = 0.04 noises; the slopes add a little.
             assert!((limits[1] - 240.0).abs() < 0.3, "{limits:?}");
             assert!(limits[0] == f64::NEG_INFINITY);
         }
+    }
+
+    /// Tops `1.5 d² + 0.6 d⁴` deep at `d` samples, in the same phase of every period: two noises at the neighbours of the top and
+    /// fifteen beyond them, three in a row in every pile, and no limit.
+    #[test]
+    fn a_round_top_that_meets_the_samples_alike_is_no_flat_top() {
+        let depth = |d: f64| (1.5 * d.powi(2) + 0.6 * d.powi(4)).min(120.0 + 12.0 * d.abs());
+        let peak = |n: f64| 400.0 - depth(n.rem_euclid(100.0) - 50.0);
+        let signal = noisy(peak);
+        assert!(flat_tops(&signal, 1.0, ([-400.0, 404.0], 100)).is_none());
+        let cut = noisy(|n| peak(n).min(330.0));
+        let (limits, _) = flat_tops(&cut, 1.0, ([-400.0, 334.0], 100)).unwrap();
+        assert!((limits[1] - 330.0).abs() < 0.3, "{limits:?}");
+    }
+
+    /// A sine of 40 samples a period that is held for 45 of them from where it is largest has lost them; one that is cut at a twentieth of
+    /// its amplitude, for nearly half of each period, is clipped.
+    #[test]
+    fn what_stays_for_a_period_is_no_flat_top() {
+        let sine = |n: usize| (TAU * (n as f64 + 0.5) / 40.0).sin();
+        let mut held: Vec<f64> = (0..4000).map(sine).collect();
+        held.iter_mut().enumerate().for_each(|(n, x)| *x += 1e-6 * (0.3 * n as f64).sin());
+        let largest = (0..3900).max_by(|&a, &b| held[a].total_cmp(&held[b])).unwrap();
+        let value = held[largest];
+        held[largest..largest + 45].fill(value);
+        assert!(flat_tops(&held, 0.0, ([-1.1, value], 40)).is_none());
+        let cut: Vec<f64> = (0..4000).map(|n| sine(n).min(0.05)).collect();
+        assert!(flat_tops(&cut, 0.0, ([-1.0, 0.05], 40)).is_some());
     }
 }
