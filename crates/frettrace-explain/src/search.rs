@@ -58,6 +58,14 @@ pub struct Explained {
     pub(crate) residuals: usize,
 }
 
+/// An effect that the whole model was fitted with.
+pub(crate) struct Asked {
+    /// Its index in the list.
+    pub effect: usize,
+    /// The model, or why it has no answer.
+    pub answer: Result<Explained, ExplainError>,
+}
+
 impl Explained {
     /// Standard deviation of a quantity from the curvature at the fit; NaN where it was not free.
     #[must_use]
@@ -230,7 +238,8 @@ impl Study<'_> {
         setting.law = simpler.law;
         let brought = apply(&simpler.changes, &mut setting.law);
         let unknowns = merge(&merge(&self.case.unknowns(), &from.added), &brought);
-        self.with_effect(from, setting, (effect, &unknowns), 30)
+        // It is asked from where a richer one has come to: an answer there is a gift, and none says nothing of the effect.
+        self.with_effect(from, setting, (effect, &unknowns), 30).ok()
     }
 
     /// One effect more in a model, with the whole of it.
@@ -240,19 +249,19 @@ impl Study<'_> {
         setting: Setting,
         (effect, unknowns): (usize, &[Unknown]),
         iterations: usize,
-    ) -> Option<Explained> {
+    ) -> Result<Explained, ExplainError> {
         let declared = merge(&self.case.unknowns(), &from.added);
         let brought = unknowns.iter().filter(|u| declared.iter().all(|d| d.quantity != u.quantity)).cloned();
         let added = from.added.iter().cloned().chain(brought).collect();
         let effects = from.effects.iter().copied().chain([effect]).collect();
-        let mut found = self.whole(setting, unknowns, (effects, added), iterations).ok()?;
+        let mut found = self.whole(setting, unknowns, (effects, added), iterations)?;
         found.sensors = from.sensors.iter().copied().chain([None]).collect();
         found.book(from);
-        Some(found)
+        Ok(found)
     }
 
-    /// The best contact effects with the whole model, best first.
-    pub(crate) fn contact_round(&self, from: &Explained, candidates: &[ContactCandidate]) -> Vec<Explained> {
+    /// The best contact effects with the whole model.
+    pub(crate) fn contact_round(&self, from: &Explained, candidates: &[ContactCandidate]) -> Vec<Asked> {
         let declared = merge(&self.case.unknowns(), &from.added);
         let structure: Vec<Unknown> =
             declared.iter().filter(|u| !matches!(u.quantity, Quantity::Law(_))).cloned().collect();
@@ -265,16 +274,17 @@ impl Study<'_> {
         };
         let taken = candidates.iter().enumerate().filter(|(place, one)| is_taken(*place, one));
         let taken: Vec<&ContactCandidate> = taken.map(|(_, one)| one).collect();
-        let mut tried: Vec<Explained> = taken
+        taken
             .into_par_iter()
             .filter(|candidate| within_reach(candidate.criterion, best))
-            .filter_map(|candidate| {
+            .map(|candidate| {
                 let setting = candidate.placed_in(&from.fitted.setting);
                 let unknowns = merge(&structure, &candidate.unknowns);
-                self.with_effect(from, setting, (candidate.effect, &unknowns), 15)
+                Asked {
+                    effect: candidate.effect,
+                    answer: self.with_effect(from, setting, (candidate.effect, &unknowns), 15),
+                }
             })
-            .collect();
-        tried.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
-        tried
+            .collect()
     }
 }

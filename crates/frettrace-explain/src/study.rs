@@ -3,7 +3,7 @@
 use crate::case::Scales;
 use crate::left::LeftLines;
 use crate::search::Explained;
-use crate::series_fit::SeriesContact;
+use crate::series_fit::{SeriesContact, asks_the_clock};
 use crate::split::{Split, by_level};
 use crate::start;
 use crate::support::SupportForce;
@@ -500,7 +500,8 @@ pub(crate) fn as_declared(setting: &Setting) -> bool {
         .chain(&scales)
         .any(|value| *value != 0.0);
     let sound = setting.sensors.iter().all(|sensor| *sensor == SensorSetting::default());
-    setting.ports.is_empty() && setting.mass.is_none() && setting.base.is_none() && sound && !changed
+    let driven = setting.base.is_some() || asks_the_clock(&setting.law);
+    setting.ports.is_empty() && setting.mass.is_none() && sound && !changed && !driven
 }
 
 /// Standard deviations from the Gauss-Newton curvature with the priors; NaN where it is singular.

@@ -1,7 +1,7 @@
 //! The verdict: nothing missing, explained by named effects, or unexplained with a place.
 
 use crate::effects::ALL;
-use crate::search::Explained;
+use crate::search::{Asked, Explained};
 use crate::series_fit::SeriesContact;
 use crate::study::as_declared;
 use crate::{ExplainError, RunError, Study, Unknown};
@@ -107,6 +107,8 @@ struct Search<'a> {
     /// Errors of the declared model: training runs, then held-out runs where there are any.
     before: Vec<RunError>,
     tried: Vec<Tried>,
+    /// Effects that the whole model had no answer with, and why.
+    refused: Vec<(usize, String)>,
     /// Models beside the best one.
     rivals: Vec<Rival>,
     notes: Vec<String>,
@@ -127,6 +129,7 @@ impl<'a> Search<'a> {
             recovered_law: None,
             before: Vec::new(),
             tried: Vec::new(),
+            refused: Vec::new(),
             rivals: Vec::new(),
             notes: Vec::new(),
         }
@@ -134,6 +137,18 @@ impl<'a> Search<'a> {
 }
 
 impl Search<'_> {
+    /// The models that have an answer; of the others it is kept why they have none.
+    fn answered(&mut self, asked: Vec<Asked>) -> Vec<Explained> {
+        let mut found = Vec::new();
+        for Asked { effect, answer } in asked {
+            match answer {
+                Ok(model) => found.push(model),
+                Err(reason) => self.refused.push((effect, reason.to_string())),
+            }
+        }
+        found
+    }
+
     /// Whether the balance of every training run closes without a law.
     fn closed(&self, setting: &Setting) -> bool {
         let (reduced, worst) = self.study.balance_reduced(setting);

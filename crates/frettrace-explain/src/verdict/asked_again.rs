@@ -195,6 +195,7 @@ impl<'a> Found<'a> {
         let known = |id: &str| chosen.search.tried.iter().any(|t| t.id == id);
         let news: Vec<_> = other.search.tried.iter().filter(|t| !known(t.id)).copied().collect();
         chosen.search.tried.extend(news);
+        chosen.search.refused.extend(other.search.refused);
         chosen
     }
 }

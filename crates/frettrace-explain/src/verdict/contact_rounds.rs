@@ -92,7 +92,9 @@ impl Search<'_> {
             // In the place of a name that leaves a trace stands one that leaves none, or none does.
             candidates.retain(|candidate| candidate.reduced < TRACELESS);
         }
-        let found = self.study.contact_round(current, &candidates);
+        let asked = self.study.contact_round(current, &candidates);
+        let mut found = self.answered(asked);
+        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
         Ok(self.take_best(current, found.clone()).map(|best| (best, found)))
     }
 

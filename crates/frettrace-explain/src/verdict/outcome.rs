@@ -121,6 +121,7 @@ impl Search<'_> {
         }));
         self.tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
         self.remark(&baseline, &model);
+        self.remark_refused();
         let after = self.errors(&model);
         let errors = |k: usize| Some([*self.before.get(k)?, *after.get(k)?]);
         Outcome {
@@ -226,14 +227,20 @@ impl Search<'_> {
         let left_out = self.study.case.records.iter().filter(|r| !r.periodic).count();
         if left_out > 0 {
             let entered = self.study.series.len();
-            if !as_declared(&model.fitted.setting) {
+            let [before, after] = [baseline, model].map(|m| format!("{:.1} %", 100.0 * self.series_error(m)));
+            let judged = as_declared(&model.fitted.setting);
+            if !judged {
                 self.notes.push(
                     "forces of runs that are not periodic were recovered with what is declared: the model has another structure, excitation or sensor, and its law is not judged by them".into(),
                 );
             }
-            let [before, after] = [baseline, model].map(|m| 100.0 * self.series_error(m));
+            let missed = if judged {
+                format!("the law misses by {before} before and {after} after")
+            } else {
+                format!("the declared law misses by {before}")
+            };
             self.notes.push(format!(
-                "{left_out} runs are not periodic: no waveform is predicted for them; {entered} of them entered through the recovered force, which the law misses by {before:.1} % before and {after:.1} % after"
+                "{left_out} runs are not periodic: no waveform is predicted for them; {entered} of them entered through the recovered force, which {missed}"
             ));
         }
         if self.other_formula {
@@ -255,6 +262,19 @@ impl Search<'_> {
         }
         self.notes
             .push("mean friction, preload, mean position and drift cannot be seen by accelerometers".into());
+    }
+
+    /// Effects with evidence for them that could not be judged: the whole model has no answer with them.
+    fn remark_refused(&mut self) {
+        let mut seen = Vec::new();
+        for (effect, reason) in &self.refused {
+            let id = ALL[*effect].id();
+            let unjudged = |t: &Tried| t.id == id && t.error.is_nan() && t.evidence > EVIDENCE;
+            if !seen.contains(&id) && self.tried.iter().any(unjudged) {
+                seen.push(id);
+                self.notes.push(format!("{id} could not be judged: with it, {reason}"));
+            }
+        }
     }
 
     /// Place of what stays unexplained: an open balance is never the contact. One that is closed by what is usual, yet not by what the

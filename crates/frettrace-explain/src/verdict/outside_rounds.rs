@@ -6,7 +6,7 @@ use crate::balance_fit::BalanceCandidate;
 use crate::contact_search::ContactCandidate;
 use crate::effects::ALL;
 use crate::force_laws::thresholds;
-use crate::search::Explained;
+use crate::search::{Asked, Explained};
 use crate::study::merge;
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::{Beside, Port, PortLaw, PortPlace, Quantity, Setting};
@@ -78,7 +78,8 @@ impl Search<'_> {
         }));
         let worth = |c: &&BalanceCandidate| c.criterion + EVIDENCE < plain;
         let worthy: Vec<&BalanceCandidate> = candidates.iter().filter(worth).collect();
-        let found = worthy.par_iter().filter_map(|c| self.with_structure(current, c).ok()).collect();
+        let asked = worthy.par_iter().map(|c| self.asked(current, c)).collect();
+        let found = self.answered(asked);
         let found = self.take_best(current, found).map(|found| self.with_power(found));
         let found = found.map(|found| self.further(found, current.excess()));
         // A force that the balance does not show must leave nothing else to be explained.
@@ -142,7 +143,8 @@ impl Search<'_> {
         });
         let candidates: Vec<BalanceCandidate> =
             strained.filter_map(|unknown| self.release(current, unknown.quantity)).collect();
-        let found = candidates.par_iter().filter_map(|c| self.with_structure(current, c).ok()).collect();
+        let asked = candidates.par_iter().map(|c| self.asked(current, c)).collect();
+        let found = self.answered(asked);
         let found = self.take_best(current, found)?;
         let held_out = &self.study.held_out;
         let error = |of: &Explained| self.study.error(&of.fitted, held_out).ratio();
@@ -230,13 +232,18 @@ impl Search<'_> {
                 (effects.len() - 1, candidate)
             })
             .collect();
-        let found = placed
+        let asked = placed
             .par_iter()
             .filter(|(place, _)| *place < MOST_REFITTED)
             .filter(|(place, c)| worthy(*place, c) && c.criterion < 3.0 * best && c.reduced < limit)
-            .filter_map(|(_, candidate)| self.with_structure(current, candidate).ok())
+            .map(|(_, candidate)| self.asked(current, candidate))
             .collect();
+        let found = self.answered(asked);
         Ok(self.take_best(current, found))
+    }
+
+    fn asked(&self, current: &Explained, candidate: &BalanceCandidate) -> Asked {
+        Asked { effect: candidate.effect, answer: self.with_structure(current, candidate) }
     }
 
     /// The whole model with a structure effect: the law anew on contacts recovered with it, then everything.

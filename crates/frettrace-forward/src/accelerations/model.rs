@@ -22,7 +22,7 @@ pub enum AccelerationError {
     Grid(#[from] GridError),
     /// The contact forces of a run were not found.
     #[error(
-        "run {run}: the balance of the contact forces does not close (left {left:.3} standard deviations)"
+        "run {}: the balance of the contact forces does not close (left {left:.3} standard deviations)", .run + 1
     )]
     NotBalanced {
         /// Index of the run.
