@@ -70,7 +70,7 @@ pub fn records(
         if !records.iter().any(|r| more_than_noise(r, noise)) {
             break;
         }
-        let before = channels.signal.clone();
+        let before = (channels.signal.clone(), channels.drowning.clone());
         let found = find(runs, noise, &mut channels);
         if found.is_empty() {
             continue;
@@ -81,7 +81,7 @@ pub fn records(
             faults.extend(found);
             records = mended;
         } else {
-            channels.signal = before;
+            (channels.signal, channels.drowning) = before;
         }
     }
     for offset in offsets(&mut records) {
@@ -101,6 +101,8 @@ pub fn records(
 struct Channels {
     signal: Vec<Vec<Vec<f64>>>,
     clipped: Vec<Vec<Option<Clipped>>>,
+    /// Tones that a run has and cannot tell from its lines: `[run]`, sensor, frequency (Hz), amplitude (m/s²).
+    drowning: Vec<Vec<(usize, f64, f64)>>,
 }
 
 impl Channels {
@@ -108,6 +110,7 @@ impl Channels {
         Self {
             signal: runs.iter().map(|r| r.acceleration.to_vec()).collect(),
             clipped: runs.iter().map(|r| vec![None; r.acceleration.len()]).collect(),
+            drowning: vec![Vec::new(); runs.len()],
         }
     }
 
@@ -142,6 +145,9 @@ impl Channels {
                         None => mean_square(raw.iter().zip(mended).map(|(a, b)| a - b)),
                     })
                     .collect();
+                for &(sensor, frequency, amplitude) in &self.drowning[k] {
+                    record.drown(sensor, frequency, amplitude);
+                }
                 record.silence(&self.clipped[k]);
                 Ok(record)
             })

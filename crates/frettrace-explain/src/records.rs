@@ -48,6 +48,8 @@ pub struct RunRecord {
     untrusted_lines: (usize, usize),
     /// The same lines of the sensors that are cut off.
     above: Vec<Option<Arc<OpenLines>>>,
+    /// Lines that hold a foreign tone too.
+    drowned: Vec<Drowned>,
     /// What was recovered of a run that is not periodic; `None` for periodic runs, and where nobody recovered it.
     pub series: Option<Series>,
     /// What neither lines nor a constant hold, sample by sample.
@@ -56,6 +58,15 @@ pub struct RunRecord {
     pub samples: usize,
     /// Sampling rate (Hz).
     pub sampling_rate: f64,
+}
+
+/// A tone of known amplitude and unknown phase that lies in a line of one sensor, nearer than the record can tell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Drowned {
+    sensor: usize,
+    line: usize,
+    /// Amplitude (m/s²).
+    amplitude: f64,
 }
 
 /// Factor on the deviation of a sensor that says nothing.
@@ -176,6 +187,18 @@ impl RunRecord {
         }
     }
 
+    /// Leaves a tone (Hz) of an amplitude (m/s²) and of any phase open in the line of a sensor that it cannot be told from, if there is one.
+    pub(crate) fn drown(&mut self, sensor: usize, frequency: f64, amplitude: f64) {
+        let line = (std::f64::consts::TAU * frequency / self.lines.omega).round() as usize;
+        if line == 0 || line > self.lines.order() {
+            return;
+        }
+        let deviation = &mut self.lines.deviation[sensor][line];
+        *deviation = deviation.hypot(amplitude / std::f64::consts::SQRT_2);
+        self.excess[sensor] += 0.5 * amplitude * amplitude;
+        self.drowned.push(Drowned { sensor, line, amplitude });
+    }
+
     /// The lines that are compared with nothing, of a sensor that is cut off: near half the sampling rate, and above a model's. A channel that is
     /// read as it is projects them out with its own.
     fn above(&self, sensor: usize) -> Option<Arc<OpenLines>> {
@@ -194,10 +217,16 @@ impl RunRecord {
         }
     }
 
-    /// Mean square of measured minus predicted lines of a sensor, with what lies beside the lines.
+    /// Mean square of measured minus predicted lines of a sensor, with what lies beside the lines; of a line that holds a foreign tone of
+    /// amplitude `A` as well, `|d| − A` is left of a difference `d`, for the tone has the phase that explains most.
     pub(crate) fn line_error(&self, sensor: usize, predicted: &[Complex64]) -> f64 {
         let measured = &self.lines.acceleration[sensor];
-        power(measured.iter().zip(predicted).map(|(a, b)| a - b)) + self.beside[sensor]
+        let of_tone = |tone: &Drowned| {
+            let left = predicted.get(tone.line).map_or(0.0, |line| (measured[tone.line] - line).norm());
+            0.5 * (left * left - (left - tone.amplitude).powi(2))
+        };
+        let tones: f64 = self.drowned.iter().filter(|tone| tone.sensor == sensor).map(of_tone).sum();
+        power(measured.iter().zip(predicted).map(|(a, b)| a - b)) + self.beside[sensor] - tones
     }
 
     /// Mean square of measured minus predicted in a sensor that clips, with the prediction clipped alike.
@@ -293,6 +322,7 @@ impl RunRecord {
             lines,
             subharmonic,
             periodic,
+            drowned: Vec::new(),
             series: None,
             beside,
             untrusted: beyond / power.iter().sum::<f64>().max(f64::MIN_POSITIVE),

@@ -9,8 +9,10 @@ use std::f64::consts::TAU;
 /// Mains frequencies (Hz) and the harmonics that are looked for.
 const MAINS: [f64; 2] = [50.0, 60.0];
 const HARMONICS: usize = 6;
-/// Share of a tone that the lines of the motion may take before it cannot be told from them.
+/// Share of a tone that the lines of the motion must leave for it to be told from them without another run.
 const LEAST_OWN: f64 = 0.02;
+/// Relative accuracy of its amplitude to which what they leave must tell it beside others.
+const TOLD: f64 = 0.05;
 /// Largest ratio between the upper and the lower quartile of a hum's amplitude over the runs: it does not follow the level.
 const STEADY: f64 = 2.0;
 /// Distances, in what the record can tell apart, at which the noise beside a tone is heard.
@@ -28,6 +30,8 @@ struct Tone {
     heard: usize,
     /// Cosine and sine amplitude in each run; zero where it cannot be told from the lines of the motion.
     amplitude: Vec<[f64; 2]>,
+    /// What little the lines leave of it tells of the same, with the standard deviation.
+    hidden: Vec<([f64; 2], f64)>,
 }
 
 impl Tone {
@@ -44,6 +48,17 @@ impl Tone {
     fn amplitude(&self, asked: &[bool]) -> f64 {
         let sizes = self.sizes(asked);
         sizes.iter().sum::<f64>() / sizes.len().max(1) as f64
+    }
+
+    /// With the amplitudes of the runs that tell it only beside others: to a twentieth, and as large as there.
+    fn completed(mut self, amplitude: f64) -> Self {
+        let other = |[a, b]: [f64; 2]| (a.hypot(b) - amplitude).abs() > TOLD * amplitude;
+        for (own, (hidden, deviation)) in self.amplitude.iter_mut().zip(&self.hidden) {
+            if *own == [0.0; 2] && *deviation < TOLD / 3.0 * amplitude && !other(*hidden) {
+                *own = *hidden;
+            }
+        }
+        self
     }
 
     /// Its amplitudes in the runs that are asked and tell it from the motion.
@@ -90,12 +105,18 @@ pub(super) fn find(
         }
         let phases = phases(&best);
         for (tone, phase) in best.into_iter().zip(phases) {
+            let amplitude = tone.amplitude(&asked);
+            let tone = tone.completed(amplitude);
             take_out(runs, &tone, channels);
+            for (drowning, own) in channels.drowning.iter_mut().zip(&tone.amplitude) {
+                if *own == [0.0; 2] {
+                    drowning.push((tone.sensor, tone.frequency, amplitude));
+                }
+            }
             if let Some(fault) = faults.iter_mut().find(|f| f.sensor == tone.sensor) {
                 fault.evidence += tone.gain;
                 continue;
             }
-            let amplitude = tone.amplitude(&asked);
             faults.push(ChannelFault {
                 id: "measurement.hum",
                 sensor: tone.sensor,
@@ -115,7 +136,14 @@ pub(super) fn find(
 fn tones((bare, asked): (&[Bare<'_>], &[bool]), frequency: f64) -> Vec<Tone> {
     let sensors = bare.first().map_or(0, |b| b.residual.len());
     let mut out: Vec<Tone> = (0..sensors)
-        .map(|sensor| Tone { frequency, sensor, gain: 0.0, heard: 0, amplitude: Vec::new() })
+        .map(|sensor| Tone {
+            frequency,
+            sensor,
+            gain: 0.0,
+            heard: 0,
+            amplitude: Vec::new(),
+            hidden: Vec::new(),
+        })
         .collect();
     for (one, asked) in bare.iter().zip(asked) {
         if frequency > 0.45 * one.run.sampling_rate {
@@ -141,8 +169,17 @@ fn tones((bare, asked): (&[Bare<'_>], &[bool]), frequency: f64) -> Vec<Tone> {
             let left = &one.residual[tone.sensor];
             let (c, s) = (dot(cosine, left), dot(sine, left));
             let solution = [(c * ss - s * cs) / determinant, (s * cc - c * cs) / determinant];
+            // Of the least certain combination of the two, beside what the tone does not explain.
+            let least = 0.5 * (cc + ss - (cc - ss).hypot(2.0 * cs));
+            let rest: Vec<f64> = left
+                .iter()
+                .zip(cosine.iter().zip(sine))
+                .map(|(x, (c, s))| x - solution[0] * c - solution[1] * s)
+                .collect();
+            tone.hidden.push((solution, (density(&rest, one.variance[tone.sensor], &beside) / least).sqrt()));
             if separable {
-                let gain = (solution[0] * c + solution[1] * s) / density(one, tone.sensor, &beside);
+                let density = density(left, one.variance[tone.sensor], &beside);
+                let gain = (solution[0] * c + solution[1] * s) / density;
                 if *asked {
                     tone.gain += gain;
                     tone.heard += usize::from(gain > HEARD_IN_A_RUN);
@@ -183,11 +220,10 @@ fn waves(run: &RunSamples<'_>, frequency: f64) -> [Vec<f64>; 2] {
 
 /// Variance of white noise as loud as a channel is at the frequencies `beside` a tone, and no less than that of its own: coloured noise may
 /// be forty times as loud at one frequency as on the whole. A wave takes two degrees of freedom of the `n/2` times its power.
-fn density(one: &Bare<'_>, sensor: usize, beside: &[[Vec<f64>; 2]]) -> f64 {
-    let left = &one.residual[sensor];
+fn density(left: &[f64], variance: f64, beside: &[[Vec<f64>; 2]]) -> f64 {
     let power = |[c, s]: &[Vec<f64>; 2]| (dot(c, left).powi(2) + dot(s, left).powi(2)) / left.len() as f64;
     let mean = beside.iter().map(power).sum::<f64>() / beside.len().max(1) as f64;
-    mean.max(one.variance[sensor])
+    mean.max(variance)
 }
 
 /// Whether a tone is nearer to a half or a third of a line of the motion than the record can tell: what most sensors hear there
@@ -310,6 +346,51 @@ mod tests {
             assert_eq!(frequency, 60.0);
             let share = [0.4, 0.6, 0.8, 1.0][fault.sensor];
             assert!((amplitude - share).abs() < 3e-3 && phase.abs() < 5e-3, "{amplitude} {phase}");
+        }
+    }
+
+    /// Records of half a second at 29.4 Hz and at a frequency whose second line lies near the mains, with noise of 0.01: four channels hear the
+    /// motion, the first also 60 Hz.
+    fn beside(hertz: f64) -> (Vec<crate::RunRecord>, Vec<ChannelFault>) {
+        let rate = 8192.0;
+        let tone = |hertz: f64, k: usize| (TAU * hertz * k as f64 / rate).sin();
+        let made = [hertz, 29.4].map(|hertz| {
+            let Laboratory { force, signals, .. } = Laboratory::new(&[0.01], 0.0, 0.0);
+            let heard = |s: usize, k: usize| if s == 0 { 0.9 * tone(60.0, k) } else { 0.0 };
+            let motion = |k: usize| tone(hertz, k) + 0.3 * tone(2.0 * hertz, k);
+            let channel = |s: usize| -> Vec<f64> {
+                (0..4096).map(|k| signals[0][s][k] - force[k] + motion(k) + heard(s, k)).collect()
+            };
+            let driven: Vec<f64> = (0..4096).map(|k| tone(hertz, k)).collect();
+            (hertz, driven, [0, 1, 2, 3].map(channel).to_vec())
+        });
+        let runs = made.each_ref().map(|(hertz, force, acceleration)| RunSamples {
+            force,
+            acceleration,
+            sampling_rate: rate,
+            excitation_frequency: *hertz,
+            preload: 1.0,
+        });
+        crate::records(&runs, Some(&[0.01; 4])).unwrap()
+    }
+
+    /// A tenth of a hertz from it the line leaves `(2π · 0.1 · 0.5)²/12` = 0.8 % of the tone, which tells it to `0.01 √(2/4096)/√0.008` =
+    /// 0.0025 beside the other run, and is nothing without that. Two thousandths of a hertz from it the tone is left open in the line. In
+    /// both the first channel holds the motion that the others read, and the noise of 0.01 of both.
+    #[test]
+    fn a_tone_beside_a_line_is_known_from_other_runs() {
+        for (hertz, open) in [(30.05, false), (30.001, true)] {
+            let (records, faults) = beside(hertz);
+            let told: Vec<_> = faults.iter().map(|f| (f.id, f.sensor)).collect();
+            assert_eq!(told, [("measurement.hum", 0)], "{hertz}");
+            let run = &records[0];
+            let [one, two] = [1, 2].map(|part| part * run.subharmonic);
+            let deviation = &run.lines.deviation;
+            // Of an amplitude of 0.9 and any phase, 0.9/√2 in each part.
+            assert_eq!(deviation[0][two] > 0.6, open, "{hertz}: {}", deviation[0][two]);
+            assert!(deviation[0][one].max(deviation[1][two]) < 0.01);
+            let error = run.line_error(0, &run.lines.acceleration[1]).sqrt();
+            assert!(error < 0.012, "{hertz}: {error}");
         }
     }
 

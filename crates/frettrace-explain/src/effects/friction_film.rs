@@ -57,15 +57,29 @@ impl Effect for FrictionFilm {
         forms
     }
 
-    /// Without its memory the film `h = 1 − w` is a Stribeck curve, `μ(1 − βh) = μ(1 − β) + μβw`.
+    /// Without its memory the film `h = 1 − w` is a Stribeck curve, `μ(1 − βh) = μ(1 − β) + μβw`. A curve that the law has of its own, and that
+    /// the film has made idle, lags behind as much where the film needs as long to build up as to break down.
     fn simpler(&self, law: &ModifiedLaw<f64>) -> Vec<Simpler> {
         let value = |hook| law.get(hook).unwrap_or_default();
         let (mu, loss) = (value(Hook::MuKinetic), value(Hook::FilmLoss).clamp(1e-3, 0.95));
-        if known(law, &[Hook::StribeckRise]) {
-            return Vec::new();
-        }
         // `1 − x^{2/3}` falls to 1/e at half the velocity of a whole film.
         let (share, exponent) = law.get(Hook::FilmExponent).map_or((0.5, 0.8), |exponent| (1.0, exponent));
+        if known(law, &[Hook::StribeckRise]) {
+            let rest = mu + value(Hook::StribeckRise);
+            let rise = value(Hook::FilmRise);
+            let time = (rise * law.get(Hook::FilmFall).unwrap_or(rise)).sqrt();
+            let mut law = *law;
+            OWN.iter().for_each(|&hook| law.clear(hook));
+            let curve = [
+                (Hook::MuKinetic, rest * (1.0 - loss)),
+                (Hook::StribeckRise, rest * loss),
+                (Hook::StribeckVelocity, share * value(Hook::FilmVelocity)),
+                (Hook::StribeckExponent, exponent),
+            ];
+            curve.into_iter().for_each(|(hook, value)| law.set(hook, value));
+            let changes = vec![Change::positive(Hook::LagTime, time, 1e-3)];
+            return vec![Simpler { id: "friction.lag", law, changes }];
+        }
         let mut law = *law;
         OWN.iter().for_each(|&hook| law.clear(hook));
         law.set(Hook::MuKinetic, mu * (1.0 - loss));
@@ -133,5 +147,46 @@ mod tests {
         }
         let reach = |step| Reach { step, stroke: 1e-3 };
         assert!(FrictionFilm.is_idle(&film, reach(1e-5)) && !FrictionFilm.is_idle(&film, reach(1e-7)));
+    }
+
+    /// Friction force along `u = sin(t)/10`, normal force 1, in steps of 1/200.
+    fn swinging(law: &ModifiedLaw<f64>) -> Vec<f64> {
+        let circumstance = Circumstance { preload: 1.0, ..Circumstance::default() };
+        let mut state = law.rest_at(0.0);
+        let at = |k: u32| 5e-3 * f64::from(k);
+        let mut advance = |k| {
+            let [slip, velocity] = [f64::sin, f64::cos].map(|of| [k, k + 1].map(|k| 0.1 * of(at(k))));
+            let step = Step { slip, velocity, normal: [1.0; 2], dt: 5e-3 };
+            let (next, force) = law.advance(state, &step, &circumstance);
+            state = next;
+            force
+        };
+        (0..4000).map(&mut advance).collect()
+    }
+
+    /// A film that breaks down as fast as it builds up, in a law whose own Stribeck curve does nothing, is the lag of such a curve, once
+    /// the states have forgotten where they began: ten seconds, twenty of their times.
+    #[test]
+    fn a_film_of_one_time_is_a_lag() {
+        let mut film = ModifiedLaw::dahl(1e3, 0.2);
+        let values = [
+            (Hook::StribeckRise, 0.1),
+            (Hook::StribeckVelocity, 1e9),
+            (Hook::StribeckExponent, 2.0),
+            (Hook::FilmLoss, 0.4),
+            (Hook::FilmVelocity, 0.05),
+            (Hook::FilmExponent, 1.3),
+            (Hook::FilmRise, 0.5),
+            (Hook::FilmFall, 0.5),
+        ];
+        values.into_iter().for_each(|(hook, value)| film.set(hook, value));
+        let simpler = FrictionFilm.simpler(&film);
+        let [simpler] = &simpler[..] else { panic!("one lag") };
+        assert_eq!(simpler.id, "friction.lag");
+        let mut lag = simpler.law;
+        simpler.changes.iter().for_each(|change| lag.set(change.hook, change.start));
+        for (film, lag) in swinging(&film).into_iter().zip(swinging(&lag)).skip(2000) {
+            assert!((film - lag).abs() < 1e-6, "{film} against {lag}");
+        }
     }
 }

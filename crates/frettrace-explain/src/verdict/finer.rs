@@ -78,10 +78,11 @@ impl Search<'_> {
         current
     }
 
-    /// The same with the further values of its last effect's shape, where it leaves more than the noise of what was `lacked`: the form
-    /// that did best on the recovered contacts may be another laboratory's.
+    /// The same with the further values of its last effect's shape, where it leaves more than the noise of what was `lacked`, in all
+    /// samples or on the lines: the form that did best on the recovered contacts may be another laboratory's.
     pub(super) fn shaped(&mut self, current: Explained, lacked: f64) -> Explained {
-        let Some(&effect) = current.effects.last().filter(|_| !current.complete()) else { return current };
+        let fits = current.complete() && current.left().is_noise();
+        let Some(&effect) = current.effects.last().filter(|_| !fits) else { return current };
         let mut richer = current.clone();
         let law = &mut richer.fitted.setting.law;
         let brought = shaped(effect, law, &current.added, &self.study.scales);

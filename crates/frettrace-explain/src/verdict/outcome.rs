@@ -4,7 +4,7 @@ use super::finer::RIGID_ACCURACY;
 use super::rules::{helps, is_followed, may_be, stays_with_contact, stays_with_sensor, takes_all};
 use super::{BALANCE_CALIBRATED, BORNE_OUT, EVIDENCE, FORETOLD, HELD_OUT, Rival, Search};
 use crate::effects::{ALL, EffectPlace};
-use crate::search::{Explained, OTHER_FORMULA};
+use crate::search::{Explained, OTHER_FORMULA, REST, excess};
 use crate::study::as_declared;
 use crate::{ChannelFault, RunError};
 use frettrace_forward::accelerations::Quantity;
@@ -86,7 +86,8 @@ impl Search<'_> {
         let shaken = self.study.case.shaken;
         let by_method = self.within_method && model.effects.is_empty();
         let within = model.complete() && self.takes_all(&baseline, &model);
-        let near = within || model.sufficient(&baseline) || self.other_formula || by_method;
+        let by_curve = !within && self.leaves_a_curve(&model);
+        let near = within || model.sufficient(&baseline) || self.other_formula || by_method || by_curve;
         let filled = near && borne_out;
         let misread = filled && self.misread(&model);
         let contradicted = self.series_contradicts(&model);
@@ -144,6 +145,22 @@ impl Search<'_> {
         self.claimed(model) == 0 || takes_all(model.left(), [baseline, model].map(Explained::excess))
     }
 
+    /// Whether a sensor that saturates is all that a model misses, and by a trace of what it read wrong: its lines are compared with nothing, and
+    /// all others hold noise. The curve by which it bends here is another one.
+    fn leaves_a_curve(&mut self, model: &Explained) -> bool {
+        let saturates = self.study.case.faults.iter().any(|fault| fault.id == "measurement.clipping");
+        let read = self.before.first().map_or(0.0, |before| excess(before.ratio()));
+        let trace = model.worst <= OTHER_FORMULA && model.excess() <= REST * read;
+        let found = saturates && trace && model.left().is_noise();
+        if found {
+            self.notes.push(format!(
+                "the sensor that saturates leaves {:.2} times the noise in the worst training run: the curve by which it bends is another one, but all other lines hold noise",
+                model.worst
+            ));
+        }
+        found
+    }
+
     /// How many of a model's effects were fitted: every run in which the support lifts off bears that out by itself.
     fn claimed(&self, model: &Explained) -> usize {
         model.effects.len() - usize::from(self.lifts_off)
@@ -164,10 +181,19 @@ impl Search<'_> {
             }
             return error.ratio() <= BORNE_OUT || self.within_method && self.by_method(model, held_out);
         }
+        let ratio = |of: &Explained| self.study.error(&of.fitted, held_out).ratio();
+        let unbent = self.unbent_baseline(baseline).filter(|unbent| ratio(unbent) < ratio(baseline));
+        if unbent.as_ref().is_some_and(|unbent| ratio(unbent) <= FORETOLD) {
+            self.notes.push(
+                "the declared law as the recovered contacts show it foretells the runs held out within the noise: they bear out no effect".into(),
+            );
+            return false;
+        }
+        let baseline = unbent.as_ref().unwrap_or(baseline);
         let found = self.study.improvement(&baseline.fitted, &model.fitted, held_out);
         self.notes
             .push(format!("held-out runs improve by {found:.1} standard errors; a claim needs {HELD_OUT}"));
-        let [before, after] = [baseline, model].map(|of| self.study.error(&of.fitted, held_out).ratio());
+        let [before, after] = [baseline, model].map(ratio);
         // Where the formula is another one, these runs must be as near as those that were fitted.
         if !helps(found, [before, after]) {
             return false;
@@ -176,6 +202,18 @@ impl Search<'_> {
             true => after <= OTHER_FORMULA,
             false => is_followed(before, after) || self.is_of_one_model(model, after),
         }
+    }
+
+    /// The declared model of a rigid contact as its recovered contacts and the balance show it, without a fit: where the balance of one fitted run
+    /// has no answer, or another one, than was measured, a fit bends the model, and any effect that mends this improves runs that the
+    /// unbent model foretells.
+    fn unbent_baseline(&self, baseline: &Explained) -> Option<Explained> {
+        if !baseline.fitted.setting.rigid {
+            return None;
+        }
+        let mut setting = self.declared_start(baseline);
+        setting.law = self.recovered_law.unwrap_or(setting.law);
+        self.study.blank(setting, &[]).ok()
     }
 
     /// Whether one set of values of a model, by which held-out runs are helped but not followed, follows all runs, and leaves no more beside
