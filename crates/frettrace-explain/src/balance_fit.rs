@@ -180,11 +180,21 @@ impl Study<'_> {
 
     /// The structure calibrated on what the free values beside the contact force leave of the balance.
     pub(crate) fn calibrated_beside(&self, setting: &Setting, beside: Beside) -> Setting {
-        let unknowns = self.structure_unknowns();
+        self.calibrated_with(setting, beside, (&[], 4))
+    }
+
+    /// The same with further values free, in so many steps at most.
+    pub(crate) fn calibrated_with(
+        &self,
+        setting: &Setting,
+        beside: Beside,
+        (added, most): (&[Unknown], usize),
+    ) -> Setting {
+        let unknowns = merge(&self.structure_unknowns(), added);
         let mut problem = BalanceProblem::new(self, setting.clone(), &unknowns);
         problem.beside = beside;
         let settings = FitSettings {
-            max_iterations: 4,
+            max_iterations: most,
             relative_tolerance: 1e-3,
             secant: true,
             ..FitSettings::default()

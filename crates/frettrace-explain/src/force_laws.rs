@@ -1,12 +1,13 @@
 //! Laws of a recovered force: line by line against what they answer to the recovered motion.
 
-use frettrace_forward::accelerations::{Balance, COEFFICIENTS, PortLaw, PortPlace};
+use frettrace_forward::accelerations::{Balance, COEFFICIENTS, PortLaw, PortPlace, settled_mean};
 use frettrace_fourier::Grid;
 use num_complex::Complex64;
 
 mod regression;
 
-pub(crate) use regression::{Answer, linear, range, regress, thresholds};
+pub(crate) use regression::{Answer, linear, range, regress, regress_resting, thresholds};
+use regression::{left_by, mean_force, stopped, with_gap};
 
 /// Samples of a period on which laws of the force are tried.
 const SAMPLES: usize = 512;
@@ -14,6 +15,8 @@ const SAMPLES: usize = 512;
 const LINES: usize = 48;
 /// Relative accuracy of a recovered force: what is left of the structure's errors.
 const RELATIVE_ACCURACY: f64 = 5e-4;
+/// χ² by which a run must tell where it rests.
+const TELLS: f64 = 9.0;
 /// A law that a force may follow.
 pub(crate) struct Shape {
     /// The effect it speaks for.
@@ -118,6 +121,8 @@ pub(crate) struct History {
     force: Vec<Complex64>,
     /// Their standard deviations.
     deviation: Vec<f64>,
+    /// Displacement (m) lost by a unit of mean force.
+    compliance: f64,
     grid: Grid,
 }
 
@@ -157,7 +162,22 @@ impl History {
             })
             .collect();
         let force = (1..=order).map(|h| force[h] / deviation[h - 1]).collect();
-        Some(Self { displacement, velocity, force, deviation, grid })
+        let compliance = gain.first().map_or(0.0, |gain| gain.re);
+        Some(Self { displacement, velocity, force, deviation, compliance, grid })
+    }
+
+    /// Where the motion rests (m) beside what the mean force of a stop makes of it; nothing where it does not tell, by a χ² of
+    /// [`TELLS`], that it rests anywhere else.
+    pub fn rest(&self, law: PortLaw, at: &[f64; COEFFICIENTS]) -> f64 {
+        let own = stopped(self, law, at);
+        let mean = |gap: f64| mean_force(self, law, &with_gap(at, gap));
+        let natural = at[1] - settled_mean(0.0, self.compliance, |mean_motion| mean(at[1] - mean_motion));
+        match own {
+            Some((gap, left)) if left + TELLS < left_by(self, law, &with_gap(at, natural)) => {
+                at[1] - gap + self.compliance * mean(gap)
+            }
+            _ => 0.0,
+        }
     }
 
     /// Real values that a law is compared with.
@@ -219,7 +239,7 @@ pub(crate) fn driven(histories: &[History], drives: &[Complex64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{History, SAMPLES, driven, regress, shapes};
+    use super::{History, SAMPLES, driven, regress, regress_resting, shapes};
     use frettrace_forward::accelerations::{PortLaw, PortPlace};
     use frettrace_fourier::Grid;
     use num_complex::Complex64;
@@ -235,6 +255,7 @@ mod tests {
                 .map(|line| of(drive(run).norm(), line) * Complex64::from_polar(1e3, line * drive(run).arg()))
                 .into(),
             deviation: vec![1e-3; 2],
+            compliance: 0.0,
             grid: Grid::new(2, 16).unwrap(),
         };
         ((0..6).map(history).collect(), (0..6).map(drive).collect())
@@ -270,11 +291,63 @@ mod tests {
         let mut lines = vec![Complex64::ZERO; 16];
         grid.project(&force, &mut lines, &mut grid.scratch());
         let force = lines[1..].iter().map(|line| line / 1e-3).collect();
-        let histories = [History { displacement, velocity, force, deviation: vec![1e-3; 15], grid }];
+        let deviation = vec![1e-3; 15];
+        let histories = [History { displacement, velocity, force, deviation, compliance: 0.0, grid }];
         let shape =
             shapes(PortPlace::At(0.3)).into_iter().find(|shape| shape.law == PortLaw::Friction).unwrap();
         let found = regress(&histories, &shape).unwrap().coefficients;
         assert!((found[0] - 2.0).abs() < 1e-2 && (found[1] - 0.3).abs() < 1e-2, "{found:?}");
         assert_eq!(found[2], 0.0);
+    }
+
+    /// A run `d = a sin t + 0.3 a sin(2t + 1)` with a stop of 5 N/m from `gap` of it on, and 0.02 m lost by each newton of its mean force;
+    /// the force is known to 1e-4 N in each of 24 lines.
+    fn stopped(size: f64, gap: f64) -> History {
+        let grid = Grid::new(24, SAMPLES).unwrap();
+        let phase = |k: usize| std::f64::consts::TAU * k as f64 / SAMPLES as f64;
+        let at = |k: usize| size * (phase(k).sin() + 0.3 * (2.0 * phase(k) + 1.0).sin());
+        let speed = |k: usize| size * (phase(k).cos() + 0.6 * (2.0 * phase(k) + 1.0).cos());
+        let displacement: Vec<f64> = (0..SAMPLES).map(at).collect();
+        let force: Vec<f64> = displacement.iter().map(|d| 5.0 * (d - gap).max(0.0)).collect();
+        let mut lines = vec![Complex64::ZERO; 25];
+        grid.project(&force, &mut lines, &mut grid.scratch());
+        History {
+            displacement,
+            velocity: (0..SAMPLES).map(speed).collect(),
+            force: lines[1..].iter().map(|line| line / 1e-4).collect(),
+            deviation: vec![1e-4; 24],
+            compliance: 0.02,
+            grid,
+        }
+    }
+
+    /// Three runs that strike a stop, and one that stays short of it: friction holds each elsewhere, so that no gap meets all of them. With
+    /// one in each, stiffness and dampers are those of the stop. The gap is that of the run that tells most of it, and there the
+    /// motion rests where the mean force of the stop leaves it; a run that does not touch the stop tells nothing of where it rests.
+    #[test]
+    fn runs_that_rest_elsewhere_have_one_stop() {
+        let gaps = [0.4, 0.1, 0.9, 1.0];
+        let histories: Vec<History> =
+            [1.0, 0.5, 2.0, 0.2].into_iter().zip(gaps).map(|(size, gap)| stopped(size, gap)).collect();
+        let stops = shapes(PortPlace::At(0.3)).into_iter().filter(|shape| shape.law == PortLaw::Stop);
+        let shape = stops.into_iter().find(|shape| shape.side > 0.0).unwrap();
+        let plain = regress(&histories, &shape).unwrap();
+        let found = regress_resting(&histories, &shape).unwrap();
+        // The corner of a stop on a grid of 512 samples is off by a part in a thousand.
+        assert!(plain.chi > 1e4 * found.chi && found.chi < 200.0, "{} {}", plain.chi, found.chi);
+        let [stiffness, gap, damping, _] = found.coefficients;
+        assert!((stiffness - 5.0).abs() < 5e-3 && damping.abs() < 5e-3, "{stiffness} {damping}");
+        let mean = |k: usize| {
+            let touched = histories[k].displacement.iter().map(|d| 5.0 * (d - gaps[k]).max(0.0));
+            0.02 * touched.sum::<f64>() / SAMPLES as f64
+        };
+        assert!((gap - (gaps[2] - mean(2))).abs() < 2e-3, "{gap}");
+        let rest = |k: usize| histories[k].rest(PortLaw::Stop, &found.coefficients);
+        for k in [0, 1] {
+            let expected = gaps[2] - mean(2) - (gaps[k] - mean(k));
+            assert!((rest(k) - expected).abs() < 3e-3, "{k}: {} {expected}", rest(k));
+        }
+        assert!(rest(2).abs() < 3e-3, "{}", rest(2));
+        assert_eq!(rest(3), 0.0);
     }
 }

@@ -6,9 +6,9 @@
 use crate::balance_fit::BalanceCandidate;
 use crate::effects::{ALL, EffectPlace, FREE, StructureForm};
 use crate::force_laws::{
-    Answer, History, driven, linear, nameless, names, range, regress, shapes, thresholds,
+    Answer, History, driven, linear, nameless, names, range, regress, regress_resting, shapes, thresholds,
 };
-use crate::verdict::BALANCE_CLOSED;
+use crate::verdict::{BALANCE_CLOSED, EVIDENCE};
 use crate::{Study, Unknown, signed};
 use frettrace_forward::accelerations::{
     Balance, Beside, Port, PortLaw, PortPlace, Quantity, RunLines, Setting,
@@ -290,11 +290,18 @@ impl Study<'_> {
         let mut located = self.locate(setting);
         let mut setting = setting.clone();
         if let Some(first) = located.first().filter(|l| l.chi < WORTH * plain) {
-            // The structure within its standard deviations and the place of the force, one after the other.
-            let mut calibrated = self.calibrated_beside(&with_only(&setting, first.place), Beside::Ports);
+            // The structure within its standard deviations and the place of the force, together: where noise is low either one alone comes to rest
+            // far from where both are.
+            let single = with_only(&setting, first.place);
+            let mut calibrated = self.calibrated_with(&single, Beside::Ports, (&self.place(first.place), 20));
+            let place = calibrated.ports[0].place;
             calibrated.ports = setting.ports;
             setting = calibrated;
             located = self.locate(&setting);
+            let together = self.located_at(&setting, place);
+            if let Some(together) = together.filter(|it| located.first().is_none_or(|l| it.chi < l.chi)) {
+                located.insert(0, together);
+            }
         }
         let Some(first) = located.first().filter(|l| l.chi < WORTH * plain) else { return Vec::new() };
         let mut found: Vec<BalanceCandidate> = located
@@ -305,6 +312,18 @@ impl Study<'_> {
             .collect();
         found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
         found
+    }
+
+    /// The place of the only further force as an unknown, where it is one along the beam.
+    fn place(&self, place: PortPlace) -> Vec<Unknown> {
+        let length = self.scales.length;
+        let along = |x: f64| (x - length / PLACES as f64, x + length / PLACES as f64);
+        match place {
+            PortPlace::At(x) => {
+                vec![signed(Quantity::PortPosition(0), ("position", "m"), 1e-3 * length, along(x))]
+            }
+            _ => Vec::new(),
+        }
     }
 
     /// Laws at a place, best first.
@@ -320,21 +339,51 @@ impl Study<'_> {
         shapes(located.place)
             .into_iter()
             .filter(|shape| self.case.allows(shape.id))
-            .filter_map(|shape| regress(&histories, &shape).map(|answer| (shape, answer)))
-            .map(|(shape, Answer { chi, coefficients })| {
-                let port = Port { place: located.place, law: shape.law, coefficients };
-                let form = self.form(setting, port, (shape.free, thresholds(&histories, shape.law)));
-                let freedom = located.freedom + histories.iter().map(History::count).sum::<usize>();
-                BalanceCandidate {
-                    effect: ALL.iter().position(|e| e.id() == shape.id).unwrap_or_default(),
-                    sensor: None,
-                    setting: form.setting,
-                    criterion: located.chi + chi + form.unknowns.len() as f64 * count.ln(),
-                    reduced: (located.chi + chi) / freedom.max(1) as f64,
-                    unknowns: form.unknowns,
-                }
+            .flat_map(|shape| {
+                let plain = regress(&histories, &shape);
+                // Each run is placed by a value of its own.
+                let price = EVIDENCE + histories.len() as f64 * count.ln();
+                let dear = plain.as_ref().map_or(f64::INFINITY, |plain| plain.chi);
+                let resting = regress_resting(&histories, &shape).filter(|r| r.chi + price < dear);
+                let shape = &shape;
+                let candidate = |(answer, rests): (Answer, bool)| {
+                    let Answer { chi, coefficients } = answer;
+                    let port = Port { place: located.place, law: shape.law, coefficients };
+                    let free: Vec<usize> =
+                        shape.free.iter().copied().filter(|&k| !(rests && k == 1)).collect();
+                    let mut form = self.form(setting, port, (&free, thresholds(&histories, shape.law)));
+                    if rests {
+                        form.setting.rests = (0, self.rests(&form.setting)?);
+                    }
+                    let freedom = located.freedom + histories.iter().map(History::count).sum::<usize>();
+                    let values = form.unknowns.len() + if rests { histories.len() } else { 0 };
+                    Some(BalanceCandidate {
+                        effect: ALL.iter().position(|e| e.id() == shape.id).unwrap_or_default(),
+                        sensor: None,
+                        setting: form.setting,
+                        criterion: located.chi + chi + values as f64 * count.ln(),
+                        reduced: (located.chi + chi) / freedom.max(1) as f64,
+                        unknowns: form.unknowns,
+                    })
+                };
+                let answers = plain.map(|it| (it, false)).into_iter().chain(resting.map(|it| (it, true)));
+                answers.filter_map(candidate).collect::<Vec<_>>()
             })
             .collect()
+    }
+
+    /// Where the only port of a setting, a stop, lets every run rest ([`Setting::rests`]); `None` where that cannot be told.
+    pub(crate) fn rests(&self, setting: &Setting) -> Option<Vec<f64>> {
+        let [port] = &setting.ports[..] else { return None };
+        let all = self.all_runs();
+        let single = with_only(setting, port.place);
+        let balances = self.model.balance_beside(&single, &all, Beside::Ports).ok()?;
+        let mut rests = vec![0.0; self.model.runs.len()];
+        for (&run, balance) in all.iter().zip(&balances) {
+            let history = History::new(balance, self.model.runs[run].omega)?;
+            rests[run] = history.rest(port.law, &port.coefficients);
+        }
+        Some(rests)
     }
 
     /// Amplitude of the velocity (m/s) on the excitation's line, the largest of any sensor and fitted run.

@@ -221,6 +221,26 @@ fn a_modulated_preload_follows_the_excitation() {
     assert!(error < 1e-7, "{error:e}");
 }
 
+/// A stop that a run strikes 3 µm farther out because its friction holds the beam away is a stop with a gap 3 µm wider where nothing does;
+/// what the law itself makes of the mean of the friction moves neither. Without a stop the mean of the friction is seen nowhere.
+#[test]
+fn a_stop_feels_where_friction_holds_the_beam() {
+    let model = model();
+    let stop = |gap: f64, rests: Vec<f64>| {
+        let place = PortPlace::At(0.31);
+        let port = Port { place, law: PortLaw::Stop, coefficients: [2e5, gap, 5.0, 1.0] };
+        Setting { ports: vec![port], rests: (0, rests), ..setting() }
+    };
+    let predict = |setting: &Setting| model.predict(setting, &[0, 1], &mut model.memory()).unwrap();
+    let held = predict(&stop(4e-6, vec![-3e-6; 2]));
+    let wider = predict(&stop(7e-6, vec![0.0; 2]));
+    let free = predict(&stop(4e-6, vec![0.0; 2]));
+    let error = |a: &[Prediction], b: &[Prediction]| size(&difference(a, b, 1.0)) / size(b);
+    // A mean force of the stop that is not quite balanced shows on no line itself: the tolerance lets it be off by as much.
+    assert!(error(&held, &wider) < 5e-5, "{:e}", error(&held, &wider));
+    assert!(error(&free, &wider) > 1e-2, "{:e}", error(&free, &wider));
+}
+
 /// A channel with a low pass reads `1/√2` of a line at its corner, an eighth of a period late.
 #[test]
 fn a_low_pass_has_its_corner() {

@@ -41,6 +41,14 @@ const MENDED: [(u64, &str); 19] = [
     (261, "measurement.hum 2 dahl rotation"),
     (261, "measurement.clipping 1 hybrid transverse"),
     (261, "friction.lag/saturating 1 hybrid transverse"),
+    (261, "structure.second-support/round 2 hybrid transverse"),
+    (301, "structure.second-support 1 hybrid transverse"),
+    (301, "excitation.preload-modulation 1 hybrid transverse"),
+    (301, "measurement.dropout/hold 2 dahl rotation"),
+    (301, "measurement.position 2 dahl transverse"),
+    (301, "measurement.hum/third-harmonic 1 hybrid rotation"),
+    (301, "measurement.clipping/soft 2 hybrid rotation"),
+    (301, "friction.lag 2 lugre transverse"),
 ];
 
 fn run() -> anyhow::Result<Outcome> {

@@ -281,6 +281,16 @@ impl Search<'_> {
                 "{left_out} runs are not periodic: no waveform is predicted for them; {entered} of them entered through the recovered force, which {missed}"
             ));
         }
+        let rests = &model.fitted.setting.rests.1;
+        if !rests.is_empty() {
+            let ends = rests
+                .iter()
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], r| [low.min(*r), high.max(*r)]);
+            self.notes.push(format!(
+                "the mean of the friction, which no accelerometer sees, holds the beam {:.1e} to {:.1e} m off at the stop: found run by run from the force recovered there, with the gap as if friction had no mean in the run that tells most",
+                ends[0], ends[1]
+            ));
+        }
         if self.other_formula {
             self.notes.push(format!(
                 "the named effect leaves {:.2} times the noise in the worst training run: its formula here is another one, but it takes {:.2} % of what was missing and every rival leaves ten times as much",

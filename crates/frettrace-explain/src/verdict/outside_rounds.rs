@@ -21,6 +21,9 @@ const RELEASED: f64 = 100.0;
 const REFITTED: usize = 4;
 const MOST_REFITTED: usize = 7;
 
+/// Turns in which a fit and where its runs rest agree.
+const REST_ROUNDS: usize = 3;
+
 impl Search<'_> {
     /// Where structure effects start from: what was declared, or the model that already holds effects. A base fit of a law to
     /// an open balance bends the structure to what is missing.
@@ -242,6 +245,22 @@ impl Search<'_> {
         Ok(self.take_best(current, found))
     }
 
+    /// A model with a stop in which runs rest elsewhere, these and everything else in turns.
+    fn rested(&self, mut found: Explained) -> Explained {
+        for _ in 0..REST_ROUNDS {
+            let setting = &found.fitted.setting;
+            let resting = !setting.rests.1.is_empty();
+            let Some(rests) = self.study.rests(setting).filter(|_| resting) else { break };
+            let mut other = found.clone();
+            other.fitted.setting.rests.1 = rests;
+            match self.study.polished(&other) {
+                Ok(better) if better.criterion + EVIDENCE < found.criterion => found = better,
+                _ => break,
+            }
+        }
+        found
+    }
+
     fn asked(&self, current: &Explained, candidate: &BalanceCandidate) -> Asked {
         Asked { effect: candidate.effect, answer: self.with_structure(current, candidate) }
     }
@@ -272,7 +291,8 @@ impl Search<'_> {
         }
         let mut effects = current.effects.clone();
         effects.push(candidate.effect);
-        let mut found = self.study.whole(setting, &unknowns, (effects, added), 12)?;
+        let found = self.study.whole(setting, &unknowns, (effects, added), 12)?;
+        let mut found = self.rested(found);
         found.sensors = current.sensors.iter().copied().chain([candidate.sensor]).collect();
         Ok(found)
     }

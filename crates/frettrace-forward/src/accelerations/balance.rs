@@ -232,29 +232,63 @@ fn answer_ports(e: &Evaluation<'_>, unknowns: &mut [f64]) {
     let zeros = vec![0.0; e.width()];
     if e.layout.sensors > 1 + e.layout.ports && e.layout.ports < MOST {
         let found = fit_lines(e, &zeros, &Free { beside: Beside::Ports, moving: &[] });
-        answer_once(e, &found.motion, (unknowns, 1.0));
+        answer_once(e, &found, (unknowns, 1.0));
         return;
     }
     for step in 0..PORT_STEPS {
         let found = fit_lines(e, unknowns, &Free { beside: Beside::Nothing, moving: &[] });
-        answer_once(e, &found.motion, (unknowns, if step == 0 { 1.0 } else { 0.6 }));
+        answer_once(e, &found, (unknowns, if step == 0 { 1.0 } else { 0.6 }));
     }
 }
 
-/// Moves the forces of the ports by a share towards their laws' answer to a motion.
-fn answer_once(e: &Evaluation<'_>, motion: &[Vec<Complex64>], (unknowns, share): (&mut [f64], f64)) {
+/// Steps in which the mean of a motion and the mean force that it answers to agree.
+const MEAN_STEPS: usize = 40;
+
+/// Mean `m` (m) of a motion whose port answers with a force of the mean `f(m)` (N), rising with `m`, that moves it by its compliance `g`
+/// (m/N): `m = rest − g f(m)`, by bisection.
+pub fn settled_mean(rest: f64, compliance: f64, force: impl Fn(f64) -> f64) -> f64 {
+    let beyond = |mean: f64| mean + compliance * force(mean) - rest;
+    let first = rest - compliance * force(rest);
+    let (mut low, mut high) = (rest.min(first), rest.max(first));
+    for _ in 0..MEAN_STEPS {
+        let middle = 0.5 * (low + high);
+        if beyond(middle) > 0.0 {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// Moves the forces of the ports by a share towards their laws' answer to a recovered motion. No accelerometer sees its mean: the mean
+/// forces of the ports make that.
+fn answer_once(e: &Evaluation<'_>, found: &Balance, (unknowns, share): (&mut [f64], f64)) {
     let order = e.order();
     let width = 2 * order + 1;
     let mut scratch = e.grid.scratch();
     let (mut d, mut v) = (vec![0.0; e.grid.samples()], vec![0.0; e.grid.samples()]);
     let mut lines = vec![Complex64::ZERO; order + 1];
-    for ((port, motion), out) in e.setting.ports.iter().zip(motion).zip(unknowns[width..].chunks_mut(width)) {
+    let ports = e.setting.ports.iter().enumerate().zip(&found.motion).zip(&found.motion_gain);
+    for ((((p, port), motion), gain), out) in ports.zip(unknowns[width..].chunks_mut(width)) {
         let mut full = motion.clone();
         full.resize(order + 1, Complex64::ZERO);
+        if port.law.one_sided() {
+            full[0] = Complex64::ZERO;
+        }
         e.grid.evaluate(&full, &mut d, &mut scratch);
         e.grid.evaluate(&velocity(&full, e.lines.omega), &mut v, &mut scratch);
+        let force = |d: f64, v: f64| port.law.force(&port.coefficients, d, v).force;
+        let mean_force =
+            |mean: f64| d.iter().zip(&v).map(|(d, v)| force(d + mean, *v)).sum::<f64>() / d.len() as f64;
+        let compliance = gain.first().map_or(0.0, |gain| gain.re);
+        let mean = if port.law.one_sided() {
+            settled_mean(e.rest_of(p).unwrap_or_default(), compliance, mean_force)
+        } else {
+            0.0
+        };
         for (d, v) in d.iter_mut().zip(&v) {
-            *d = port.law.force(&port.coefficients, *d, *v).force;
+            *d = force(*d + mean, *v);
         }
         e.grid.project(&d, &mut lines, &mut scratch);
         let mut reals = vec![0.0; width];
@@ -333,5 +367,19 @@ fn solve_line(
     for k in 0..out.beside.len() {
         out.beside[k].push(value(1 + k));
         out.beside_deviation[k].push(deviation(1 + k));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::settled_mean;
+
+    /// A spring of 3 N/m whose force moves it by 2 m/N: `m = r − 6 m`, a seventh of where it would rest; a stop that is not reached
+    /// leaves it there, and one of 3 N/m from 0.1 m on to `m = r − 6 (m − 0.1)`.
+    #[test]
+    fn a_mean_force_moves_what_it_answers() {
+        assert!((settled_mean(0.7, 2.0, |m| 3.0 * m) - 0.1).abs() < 1e-11);
+        assert!((settled_mean(0.05, 2.0, |m| 3.0 * (m - 0.1).max(0.0)) - 0.05).abs() < 1e-11);
+        assert!((settled_mean(0.8, 2.0, |m| 3.0 * (m - 0.1).max(0.0)) - 0.2).abs() < 1e-11);
     }
 }

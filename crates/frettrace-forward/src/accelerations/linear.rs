@@ -259,7 +259,8 @@ impl<'a> Tangent<'a> {
             wave(own + slip * turn * resistance, &mut direction.trial);
         }
         for (p, [d, v]) in direction.ports.iter_mut().enumerate() {
-            let motion = row(e.layout.port_row(p));
+            let held = (port, line) == (0, 0) && e.rest_of(p).is_some();
+            let motion = if held { Complex64::ZERO } else { row(e.layout.port_row(p)) };
             wave(motion, d);
             wave(motion * turn, v);
         }

@@ -19,7 +19,7 @@ mod setting;
 mod solve;
 mod structure;
 
-pub use balance::{Balance, Beside};
+pub use balance::{Balance, Beside, settled_mean};
 pub use model::{AccelerationError, AccelerationModel, ContactHistory, Linearised, Memory, Prediction};
 pub use phase::FrequencyRatio;
 pub use ports::{COEFFICIENTS, PortForce, PortLaw};

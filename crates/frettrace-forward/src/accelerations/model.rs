@@ -151,6 +151,7 @@ impl AccelerationModel {
             support_stiffness: if stiffness.is_finite() { stiffness } else { 0.0 },
             rotation: self.rig.lever.is_some(),
             grid: &self.grids[run],
+            rest: setting.rests.1.get(run).map(|rest| (setting.rests.0, *rest)),
         }
     }
 

@@ -48,6 +48,12 @@ fn positive(x: f64, width: f64) -> (f64, f64) {
 }
 
 impl PortLaw {
+    /// Whether it answers a motion about rest with a mean force, so that it matters where the motion rests.
+    #[must_use]
+    pub fn one_sided(self) -> bool {
+        matches!(self, Self::Stop | Self::Round)
+    }
+
     /// The force at displacement `d` and velocity `v`.
     #[must_use]
     pub fn force(self, c: &[f64; COEFFICIENTS], d: f64, v: f64) -> PortForce {

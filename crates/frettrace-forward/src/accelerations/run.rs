@@ -107,6 +107,8 @@ pub(super) struct Evaluation<'a> {
     pub support_stiffness: f64,
     pub rotation: bool,
     pub grid: &'a Grid,
+    /// Port that the mean of the friction displaces by a known way, and that way ([`Setting::rests`]).
+    pub rest: Option<(usize, f64)>,
 }
 
 /// Motions and forces of one run on the phase grid.
@@ -167,6 +169,11 @@ impl Evaluation<'_> {
         samples
     }
 
+    /// Displacement of a port that the mean of the friction makes, where that is known; it is the law's own otherwise.
+    pub fn rest_of(&self, port: usize) -> Option<f64> {
+        self.rest.filter(|(own, _)| *own == port).map(|(_, rest)| rest)
+    }
+
     /// Takes the mean from the lines of the slip where no law asks for it: the contact starts from it then, whatever holds it there.
     pub fn centre(&self, slip: &mut [Complex64]) {
         if let Some(mean) = slip.first_mut().filter(|_| !self.setting.law.depends_on_place()) {
@@ -189,8 +196,13 @@ impl Evaluation<'_> {
         }
         let mut port_forces = Vec::new();
         for (p, port) in self.setting.ports.iter().enumerate() {
-            let motion =
-                self.motion_lines(unknowns, self.layout.port_row(p)).map(|l| self.sample(&l, scratch));
+            let mut lines = self.motion_lines(unknowns, self.layout.port_row(p));
+            if let Some(rest) = self.rest_of(p) {
+                let row = self.layout.port_row(p);
+                let law = self.block.at(0, row, 1) * coefficient(unknowns, self.order(), 0, 0);
+                lines[0][0] += law + rest;
+            }
+            let motion = lines.map(|l| self.sample(&l, scratch));
             let force: Vec<f64> = (motion[0].iter().zip(&motion[1]))
                 .map(|(d, v)| port.law.force(&port.coefficients, *d, *v).force)
                 .collect();

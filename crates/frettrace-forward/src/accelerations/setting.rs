@@ -155,6 +155,10 @@ pub struct Setting {
     pub modulation: FrequencyRatio,
     /// Memoryless forces on the structure.
     pub ports: Vec<Port>,
+    /// Displacement (m) in every run of the port of the given index that the mean of the friction makes: friction that is not overcome keeps
+    /// one of its history's, which no accelerometer sees and no law of the period knows, and a stop feels where that holds the beam. Empty
+    /// where the law's own mean is believed.
+    pub rests: (usize, Vec<f64>),
     /// Added mass (kg) and its position (m).
     pub mass: Option<[f64; 2]>,
     /// Rotational compliance of the clamp, `EI/(k_c L)`.
@@ -205,6 +209,7 @@ impl Setting {
             rigid: false,
             modulation: FrequencyRatio::ONE,
             ports: Vec::new(),
+            rests: (0, Vec::new()),
             mass: None,
             clamp_compliance: 0.0,
             drift: 0.0,
@@ -279,7 +284,12 @@ impl Setting {
             Quantity::DampingScale => self.damping_scale = 0.0,
             Quantity::Law(hook) => self.law.clear(hook),
             Quantity::Port(p, _) | Quantity::PortPosition(p) if p + 1 < self.ports.len() => return false,
-            Quantity::Port(p, _) | Quantity::PortPosition(p) => self.ports.truncate(p),
+            Quantity::Port(p, _) | Quantity::PortPosition(p) => {
+                self.ports.truncate(p);
+                if self.rests.0 >= p {
+                    self.rests.1.clear();
+                }
+            }
             Quantity::AddedMass | Quantity::MassPosition => self.mass = None,
             Quantity::ClampCompliance => self.clamp_compliance = 0.0,
             Quantity::CommonShift => self.shift = 0.0,
