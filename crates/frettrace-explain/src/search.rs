@@ -5,7 +5,7 @@ use crate::effects::{ALL, Simpler, apply};
 use crate::left::LeftLines;
 use crate::study::merge;
 use crate::{ExplainError, Fitted, Study, Unknown};
-use frettrace_forward::accelerations::{Quantity, Setting};
+use frettrace_forward::accelerations::{PortLaw, Quantity, Setting};
 use frettrace_identify::{Fit, Status};
 use rayon::prelude::*;
 
@@ -22,6 +22,9 @@ const ALL_ABOUT: usize = 10;
 pub(crate) const COMPLETE: f64 = 1.05;
 /// … and in every run.
 const COMPLETE_RUN: f64 = 1.12;
+
+/// Standard deviations that the stiffness of a support must be from nothing.
+const CARRIES: f64 = 5.0;
 
 /// A model explains where its error stays within this factor of the noise in every training run …
 pub(crate) const SUFFICIENT: f64 = 1.2;
@@ -84,6 +87,21 @@ impl Explained {
         let first: usize = self.counts.iter().take(place).sum();
         let count = self.counts.get(place).copied().unwrap_or_default();
         self.added.get(first..first + count).unwrap_or_default()
+    }
+
+    /// Whether a second support along the beam that came last carries: a spring and a dashpot whose stiffness is nothing within five of its
+    /// deviations are the damping, or the cube, of something else.
+    pub(crate) fn carries(&self) -> bool {
+        let setting = &self.fitted.setting;
+        let is_support = self.effects.last().is_some_and(|&e| ALL[e].id() == "structure.second-support");
+        let index = setting.ports.len().saturating_sub(1);
+        match setting.ports.last() {
+            Some(port) if is_support && port.law == PortLaw::Polynomial => {
+                let deviation = self.deviation(Quantity::Port(index, 0));
+                deviation.is_nan() || port.coefficients[0] > CARRIES * deviation
+            }
+            _ => true,
+        }
     }
 
     /// Books what `self` has added to `before` as brought by its last effect.

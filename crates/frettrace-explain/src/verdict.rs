@@ -137,12 +137,13 @@ impl<'a> Search<'a> {
 }
 
 impl Search<'_> {
-    /// The models that have an answer; of the others it is kept why they have none.
+    /// The models that have an answer and are what their last name says; of those without an answer it is kept why.
     fn answered(&mut self, asked: Vec<Asked>) -> Vec<Explained> {
         let mut found = Vec::new();
         for Asked { effect, answer } in asked {
             match answer {
-                Ok(model) => found.push(model),
+                Ok(model) if model.carries() => found.push(model),
+                Ok(_) => {}
                 Err(reason) => self.refused.push((effect, reason.to_string())),
             }
         }

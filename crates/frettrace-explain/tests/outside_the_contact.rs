@@ -258,6 +258,17 @@ fn a_cubic_spring_is_told_from_a_support_by_its_shape() {
     check_placed(&explained(&rig, &[]), "structure.cubic-stiffness", 0.34);
 }
 
+/// The same spring where its name is not asked for: a support with a cubic spring beside a stiffness of nothing follows the runs as well, and
+/// is no support.
+#[test]
+fn a_support_that_does_not_carry_is_none() {
+    let mut rig = rig();
+    rig.attached = vec![(0.34, Attached::Load(Characteristic::CubicSpring(5e12)))];
+    let outcome = explained(&rig, &["structure.cubic-stiffness"]);
+    assert_eq!(outcome.verdict, Verdict::Unexplained, "{:?}", outcome.effects);
+    assert_eq!(outcome.place, Some(Place::Structure));
+}
+
 /// The first mode declared with five sixths of its damping, each damping to a thousandth. Its true value is found to a hundredth.
 #[test]
 fn a_mode_is_damped_otherwise_than_declared() {

@@ -21,7 +21,7 @@ const QUICK: f64 = 1.0;
 /// whose law was bent to what it lacks, damping by another power than two, the same within the noise of all samples, and a weak one for which friction stood in; a modulation that the
 /// weakest runs hide, a name given up for a law that missed the runs held out, a rigid contact that chatters; a hum beside a third of the excitation,
 /// lines near half the sampling rate of a channel that clips, a lag of which a film stood in the way.
-const MENDED: [(u64, &str); 19] = [
+const MENDED: [(u64, &str); 27] = [
     (251, "clean 2 lugre rotation"),
     (251, "structure.quadratic-damping 1 hybrid transverse"),
     (251, "unlisted:structure/even-stiffness 1 dahl transverse"),
