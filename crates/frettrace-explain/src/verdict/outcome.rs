@@ -281,14 +281,13 @@ impl Search<'_> {
                 "{left_out} runs are not periodic: no waveform is predicted for them; {entered} of them entered through the recovered force, which {missed}"
             ));
         }
-        let rests = &model.fitted.setting.rests.1;
-        if !rests.is_empty() {
-            let ends = rests
-                .iter()
-                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], r| [low.min(*r), high.max(*r)]);
+        let (port, rests) = &model.fitted.setting.rests;
+        if let Some(stop) = model.fitted.setting.ports.get(*port).filter(|_| !rests.is_empty()) {
+            let low = rests.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = rests.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             self.notes.push(format!(
-                "the mean of the friction, which no accelerometer sees, holds the beam {:.1e} to {:.1e} m off at the stop: found run by run from the force recovered there, with the gap as if friction had no mean in the run that tells most",
-                ends[0], ends[1]
+                "the mean of the friction, which no accelerometer sees, holds the beam off by {low:.1e} to {high:.1e} m at the stop: found run by run from the force recovered there; the gap is {:.1e} m if friction has no mean in the run that tells most",
+                stop.coefficients[1]
             ));
         }
         if self.other_formula {
