@@ -237,7 +237,9 @@ impl Study<'_> {
         let count = residuals as f64;
         // Runs without a period judge the law by what was recovered of them.
         let series = self.series_cost(&fitted.setting);
-        let criterion = fitted.fit.cost + series + fitted.unknowns.len() as f64 * count.ln();
+        // Where a stop lets runs rest is a value of each.
+        let rests = fitted.setting.rests.1.iter().filter(|rest| **rest != 0.0).count();
+        let criterion = fitted.fit.cost + series + (fitted.unknowns.len() + rests) as f64 * count.ln();
         let worst = self.training.iter().map(|&run| self.error(&fitted, &[run]).ratio()).fold(0.0, f64::max);
         let ratio = self.error(&fitted, &self.training).ratio();
         let sensors = vec![None; effects.len()];

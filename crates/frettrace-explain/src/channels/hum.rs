@@ -169,14 +169,6 @@ fn tones((bare, asked): (&[Bare<'_>], &[bool]), frequency: f64) -> Vec<Tone> {
             let left = &one.residual[tone.sensor];
             let (c, s) = (dot(cosine, left), dot(sine, left));
             let solution = [(c * ss - s * cs) / determinant, (s * cc - c * cs) / determinant];
-            // Of the least certain combination of the two, beside what the tone does not explain.
-            let least = 0.5 * (cc + ss - (cc - ss).hypot(2.0 * cs));
-            let rest: Vec<f64> = left
-                .iter()
-                .zip(cosine.iter().zip(sine))
-                .map(|(x, (c, s))| x - solution[0] * c - solution[1] * s)
-                .collect();
-            tone.hidden.push((solution, (density(&rest, one.variance[tone.sensor], &beside) / least).sqrt()));
             if separable {
                 let density = density(left, one.variance[tone.sensor], &beside);
                 let gain = (solution[0] * c + solution[1] * s) / density;
@@ -185,7 +177,17 @@ fn tones((bare, asked): (&[Bare<'_>], &[bool]), frequency: f64) -> Vec<Tone> {
                     tone.heard += usize::from(gain > HEARD_IN_A_RUN);
                 }
                 tone.amplitude.push(solution);
+                tone.hidden.push((solution, 0.0));
             } else {
+                // Of the least certain combination of the two, beside what the tone does not explain.
+                let least = 0.5 * (cc + ss - (cc - ss).hypot(2.0 * cs));
+                let rest: Vec<f64> = left
+                    .iter()
+                    .zip(cosine.iter().zip(sine))
+                    .map(|(x, (c, s))| x - solution[0] * c - solution[1] * s)
+                    .collect();
+                tone.hidden
+                    .push((solution, (density(&rest, one.variance[tone.sensor], &beside) / least).sqrt()));
                 tone.amplitude.push([0.0; 2]);
             }
         }

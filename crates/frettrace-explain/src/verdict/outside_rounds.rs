@@ -247,10 +247,11 @@ impl Search<'_> {
 
     /// A model with a stop in which runs rest elsewhere, these and everything else in turns.
     fn rested(&self, mut found: Explained) -> Explained {
+        if found.fitted.setting.rests.1.is_empty() {
+            return found;
+        }
         for _ in 0..REST_ROUNDS {
-            let setting = &found.fitted.setting;
-            let resting = !setting.rests.1.is_empty();
-            let Some(rests) = self.study.rests(setting).filter(|_| resting) else { break };
+            let Some(rests) = self.study.rests(&found.fitted.setting) else { break };
             let mut other = found.clone();
             other.fitted.setting.rests.1 = rests;
             match self.study.polished(&other) {
