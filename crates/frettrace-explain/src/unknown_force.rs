@@ -328,46 +328,41 @@ impl Study<'_> {
 
     /// Laws at a place, best first.
     fn force_laws(&self, setting: &Setting, located: &Located) -> Vec<BalanceCandidate> {
-        let single = with_only(setting, located.place);
-        let Ok(balances) = self.model.balance_beside(&single, &self.training, Beside::Ports) else {
-            return Vec::new();
-        };
-        let histories: Vec<History> = (self.training.iter().zip(&balances))
-            .filter_map(|(&run, balance)| History::new(balance, self.model.runs[run].omega))
-            .collect();
+        let Some(all) = self.histories(setting, located.place) else { return Vec::new() };
+        let histories = &all[..self.training.len()];
         let count = self.residual_count() as f64;
         shapes(located.place)
             .into_iter()
             .filter(|shape| self.case.allows(shape.id))
             .flat_map(|shape| {
-                let plain = regress(&histories, &shape);
+                let plain = regress(histories, &shape);
                 // Each run is placed by a value of its own.
                 let price = EVIDENCE + histories.len() as f64 * count.ln();
                 let dear = plain.as_ref().map_or(f64::INFINITY, |plain| plain.chi);
-                let resting = regress_resting(&histories, &shape).filter(|r| r.chi + price < dear);
+                let resting = regress_resting(histories, &shape).filter(|r| r.chi + price < dear);
                 let shape = &shape;
                 let candidate = |(answer, rests): (Answer, bool)| {
                     let Answer { chi, coefficients } = answer;
                     let port = Port { place: located.place, law: shape.law, coefficients };
                     let free: Vec<usize> =
                         shape.free.iter().copied().filter(|&k| !(rests && k == 1)).collect();
-                    let mut form = self.form(setting, port, (&free, thresholds(&histories, shape.law)));
+                    let mut form = self.form(setting, port, (&free, thresholds(histories, shape.law)));
                     if rests {
-                        form.setting.rests = (0, self.rests(&form.setting)?);
+                        form.setting.rests = (0, self.resting(&all, &port));
                     }
                     let freedom = located.freedom + histories.iter().map(History::count).sum::<usize>();
                     let values = form.unknowns.len() + if rests { histories.len() } else { 0 };
-                    Some(BalanceCandidate {
+                    BalanceCandidate {
                         effect: ALL.iter().position(|e| e.id() == shape.id).unwrap_or_default(),
                         sensor: None,
                         setting: form.setting,
                         criterion: located.chi + chi + values as f64 * count.ln(),
                         reduced: (located.chi + chi) / freedom.max(1) as f64,
                         unknowns: form.unknowns,
-                    })
+                    }
                 };
                 let answers = plain.map(|it| (it, false)).into_iter().chain(resting.map(|it| (it, true)));
-                answers.filter_map(candidate).collect::<Vec<_>>()
+                answers.map(candidate).collect::<Vec<_>>()
             })
             .collect()
     }
@@ -375,15 +370,26 @@ impl Study<'_> {
     /// Where the only port of a setting, a stop, lets every run rest ([`Setting::rests`]); `None` where that cannot be told.
     pub(crate) fn rests(&self, setting: &Setting) -> Option<Vec<f64>> {
         let [port] = &setting.ports[..] else { return None };
-        let all = self.all_runs();
-        let single = with_only(setting, port.place);
-        let balances = self.model.balance_beside(&single, &all, Beside::Ports).ok()?;
+        Some(self.resting(&self.histories(setting, port.place)?, port))
+    }
+
+    /// The same of recovered histories of all runs.
+    fn resting(&self, histories: &[History], port: &Port) -> Vec<f64> {
         let mut rests = vec![0.0; self.model.runs.len()];
-        for (&run, balance) in all.iter().zip(&balances) {
-            let history = History::new(balance, self.model.runs[run].omega)?;
+        for (run, history) in self.all_runs().into_iter().zip(histories) {
             rests[run] = history.rest(port.law, &port.coefficients);
         }
-        Some(rests)
+        rests
+    }
+
+    /// What a further force at a place and its motion were in every run, those that are fitted first.
+    fn histories(&self, setting: &Setting, place: PortPlace) -> Option<Vec<History>> {
+        let all = self.all_runs();
+        let balances = self.model.balance_beside(&with_only(setting, place), &all, Beside::Ports).ok()?;
+        all.iter()
+            .zip(&balances)
+            .map(|(&run, balance)| History::new(balance, self.model.runs[run].omega))
+            .collect()
     }
 
     /// Amplitude of the velocity (m/s) on the excitation's line, the largest of any sensor and fitted run.

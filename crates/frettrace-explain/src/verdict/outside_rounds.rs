@@ -1,5 +1,6 @@
 //! One effect more outside the contact.
 
+use super::finer::NEAR;
 use super::rules::helps;
 use super::{BALANCE_CALIBRATED, BALANCE_CLOSED, EVIDENCE, PROXY, Rival, Search, Tried};
 use crate::balance_fit::BalanceCandidate;
@@ -247,7 +248,8 @@ impl Search<'_> {
 
     /// A model with a stop in which runs rest elsewhere, these and everything else in turns.
     fn rested(&self, mut found: Explained) -> Explained {
-        if found.fitted.setting.rests.1.is_empty() {
+        // Far from the data it is not where runs rest that the model misses.
+        if found.fitted.setting.rests.1.is_empty() || found.ratio > NEAR {
             return found;
         }
         for _ in 0..REST_ROUNDS {
