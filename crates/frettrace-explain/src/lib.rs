@@ -7,6 +7,7 @@ mod channels;
 mod contact_fit;
 mod contact_search;
 mod controls;
+mod deviation;
 pub(crate) mod effects;
 mod exhibit;
 mod fitting;

@@ -1,7 +1,7 @@
 //! The search: the whole model for the few candidates that stand out on the recovered contacts or on the balance.
 
 use crate::contact_search::{ContactCandidate, within_reach};
-use crate::effects::{ALL, Simpler, apply};
+use crate::effects::{ALL, Simpler, apply, set_by_forms};
 use crate::left::LeftLines;
 use crate::study::merge;
 use crate::{ExplainError, Fitted, Study, Unknown};
@@ -203,6 +203,8 @@ impl Study<'_> {
                 return None;
             }
         }
+        let law = &mut reduced.fitted.setting.law;
+        set_by_forms(from.effects[place], &law.clone(), &self.scales).for_each(|hook| law.clear(hook));
         reduced.added = added;
         reduced.effects.remove(place);
         reduced.sensors.remove(place);

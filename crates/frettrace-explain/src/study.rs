@@ -1,6 +1,7 @@
 //! The study: split, fits, errors.
 
 use crate::case::Scales;
+use crate::deviation::deviations;
 use crate::left::LeftLines;
 use crate::search::Explained;
 use crate::series_fit::{SeriesContact, asks_the_clock};
@@ -12,8 +13,7 @@ use frettrace_forward::accelerations::{
     AccelerationError, AccelerationModel, Memory, Prediction, Quantity, RunLines, SensorSetting, Setting,
 };
 use frettrace_friction::effects::{Hook, ModifiedLaw};
-use frettrace_identify::{Fit, FitSettings, IdentifyError, Model, fit_with_memory};
-use nalgebra::DMatrix;
+use frettrace_identify::{Fit, FitSettings, IdentifyError, fit_with_memory};
 use num_complex::Complex64;
 use std::sync::Arc;
 
@@ -160,6 +160,19 @@ impl<'a> Study<'a> {
         Ok((Self { case, model, training, held_out, scales, series, support: None }, case.setting(law)))
     }
 
+    /// The least-squares problem of the training runs around `setting`.
+    pub(crate) fn training_problem(
+        &self,
+        setting: Setting,
+        unknowns: &[Unknown],
+        warm: &Memory,
+    ) -> AccelerationFit<'_> {
+        let sizes = [self.scales.preload, self.scales.velocity];
+        let sized: Vec<Unknown> = unknowns.iter().map(|unknown| unknown.sized(&setting.law, sizes)).collect();
+        AccelerationFit::new(&self.model, setting, &sized, self.training.clone(), warm.clone())
+            .beside(self.support.as_deref())
+    }
+
     /// Fits `unknowns` around `setting` to the training runs.
     ///
     /// # Errors
@@ -180,11 +193,7 @@ impl<'a> Study<'a> {
             absolute_tolerance: 0.3,
             ..FitSettings::default()
         };
-        let sizes = [self.scales.preload, self.scales.velocity];
-        let sized: Vec<Unknown> = unknowns.iter().map(|unknown| unknown.sized(&setting.law, sizes)).collect();
-        let problem =
-            AccelerationFit::new(&self.model, setting.clone(), &sized, self.training.clone(), warm.clone())
-                .beside(self.support.as_deref());
+        let problem = self.training_problem(setting.clone(), &unknowns, warm);
         let mut memory = warm.clone();
         self.begin(&setting, &self.training, &mut memory);
         let mut found = fit_with_memory(&problem, &problem.start(), &settings, &mut memory);
@@ -502,34 +511,6 @@ pub(crate) fn as_declared(setting: &Setting) -> bool {
     let sound = setting.sensors.iter().all(|sensor| *sensor == SensorSetting::default());
     let driven = setting.base.is_some() || asks_the_clock(&setting.law);
     setting.ports.is_empty() && setting.mass.is_none() && sound && !changed && !driven
-}
-
-/// Standard deviations from the Gauss-Newton curvature with the priors; NaN where it is singular.
-pub(crate) fn deviations<M: Model>(problem: &M, found: &Fit, memory: &M::Memory) -> Vec<f64> {
-    let (rows, width) = (problem.residual_count(), found.values.len());
-    let mut residual = vec![0.0; rows];
-    let mut jacobian = DMatrix::zeros(rows, width);
-    let mut memory = memory.clone();
-    let free = vec![true; width];
-    if problem.linearise(&found.values, &free, &mut memory, (&mut residual, &mut jacobian)).is_err() {
-        return vec![f64::NAN; width];
-    }
-    let mut normal = jacobian.transpose() * &jacobian;
-    for (k, parameter) in problem.parameters().iter().enumerate() {
-        if let Some(prior) = parameter.prior {
-            normal[(k, k)] += prior.std.powi(-2);
-        }
-    }
-    let scale: Vec<f64> = (0..width).map(|k| normal[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
-    let scaled = DMatrix::from_fn(width, width, |i, j| normal[(i, j)] / (scale[i] * scale[j]));
-    let inflation = (found.cost / rows as f64).max(1.0);
-    scaled.cholesky().map_or_else(
-        || vec![f64::NAN; width],
-        |factor| {
-            let inverse = factor.inverse();
-            (0..width).map(|k| (inverse[(k, k)] * inflation).sqrt() / scale[k]).collect()
-        },
-    )
 }
 
 /// Replaces or adds unknowns by their quantity.

@@ -11,7 +11,7 @@ use frettrace_explain::{
     Case, ChannelFault, Control, DeclaredModes, Outcome, Place, Question, RunRecord, RunSamples, Split,
     Study, Verdict, controls, explain, records,
 };
-use frettrace_forward::accelerations::Rig;
+use frettrace_forward::accelerations::{Quantity, Rig};
 use frettrace_forward::march::Characteristic;
 use frettrace_forward::simulate::{
     Attached, Chain, CrossTalk, Hum, NormalContact, Sampling, SimulatedLaw, SimulatedRecord, SimulatedRig,
@@ -337,6 +337,26 @@ fn waves_along_the_path_are_found_around_any_mean() {
         assert_eq!(named, ["friction.position-periodic"], "{harmonics:?}");
         let found = outcome.model.fitted.setting.law.get(Hook::PeriodicNumber).unwrap();
         assert!((found / number - 1.0).abs() < 0.01, "{harmonics:?}: {found}");
+    }
+}
+
+/// Corners of loops send lines of force beyond those of the grid: all runs bend the values in one direction, by more than the noise lets them
+/// stray.
+#[test]
+fn what_the_phase_grid_bends_counts_in_the_intervals() {
+    let mut rig = rig();
+    let mut law = ModifiedLaw::dahl(5e5, 0.25);
+    let truth =
+        [(Hook::Sigma0, 5e5), (Hook::MuKinetic, 0.25), (Hook::Sigma1, 240.0), (Hook::DampingVelocity, 4e-3)];
+    truth.iter().for_each(|&(hook, value)| law.set(hook, value));
+    rig.law = SimulatedLaw::Modified(law);
+    let outcome = explained(&rig, &[]);
+    let named: Vec<&str> = outcome.effects.iter().map(|e| e.id).collect();
+    assert_eq!(named, ["friction.presliding-damping"]);
+    for (hook, value) in truth {
+        let found = outcome.model.fitted.setting.law.get(hook).unwrap();
+        let std = outcome.model.deviation(Quantity::Law(hook));
+        assert!((found - value).abs() < 2.5 * std, "{hook:?} {found} ± {std}, {value} put in");
     }
 }
 

@@ -128,6 +128,16 @@ pub(crate) fn shaped(
     apply(&shape, law)
 }
 
+/// Hooks that forms of an effect set and leave as they are: which formula it is.
+pub(crate) fn set_by_forms(
+    effect: usize,
+    law: &ModifiedLaw<f64>,
+    scales: &Scales,
+) -> impl Iterator<Item = Hook> + use<> {
+    let changes = ALL[effect].contact_forms(law, scales).into_iter().flat_map(|form| form.changes);
+    changes.filter(|change| change.parameter.is_none()).map(|change| change.hook)
+}
+
 /// One form of an effect in the contact.
 #[derive(Clone, Debug)]
 pub(crate) struct ContactForm {

@@ -1,6 +1,6 @@
 //! The curve of a saturation and its fit to what a sensor read.
 
-use crate::study::deviations;
+use crate::deviation::deviations;
 use frettrace_forward::accelerations::Balance;
 use frettrace_fourier::{Grid, GridError};
 use frettrace_identify::{FitSettings, Model, NoSolution, Parameter, Transform, fit};

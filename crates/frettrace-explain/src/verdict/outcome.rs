@@ -8,6 +8,7 @@ use crate::search::{Explained, OTHER_FORMULA, REST, excess};
 use crate::study::as_declared;
 use crate::{ChannelFault, RunError};
 use frettrace_forward::accelerations::Quantity;
+use frettrace_friction::effects::Hook;
 
 /// The outcome.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,7 +79,7 @@ pub struct Outcome {
 }
 
 impl Search<'_> {
-    pub(super) fn outcome(mut self, baseline: Explained, mut model: Explained) -> Outcome {
+    pub(super) fn outcome(mut self, mut baseline: Explained, mut model: Explained) -> Outcome {
         let borne_out = self.borne_out(&baseline, &model);
         let faults = &self.study.case.faults;
         let named: Vec<&ChannelFault> = faults.iter().filter(|f| self.study.case.allows(f.id)).collect();
@@ -106,6 +107,11 @@ impl Search<'_> {
             Verdict::Unexplained if self.strained => Some(EffectPlace::Structure),
             Verdict::Unexplained => Some(self.place(&model)),
         };
+        let alike = baseline.fitted.fit.values == model.fitted.fit.values;
+        self.study.doubt_values(&mut model);
+        if alike {
+            baseline.fitted.deviation.clone_from(&model.fitted.deviation);
+        }
         let effects: Vec<Named> = if verdict == Verdict::Explained {
             named.iter().map(|fault| faulty(fault)).chain(self.named(&model)).collect()
         } else {
@@ -303,6 +309,10 @@ impl Search<'_> {
                 baseline.ratio
             ));
         }
+        let given = given(baseline, model);
+        if !given.is_empty() {
+            self.notes.push(format!("the form that did best sets, and does not fit, {}", given.join(", ")));
+        }
         if self.refined > 0 {
             self.notes
                 .push(format!("the model was fitted on a phase grid {} times as fine", 1 << self.refined));
@@ -421,6 +431,19 @@ fn at_most_two(effect: usize, left: Vec<usize>) -> Vec<&'static str> {
     ids.sort_by_key(|id| !ALL[effect].rivals().contains(id));
     ids.truncate(2);
     ids
+}
+
+/// Values of the law that the forms of a model's effects brought with them and no fit moved: which formula it was.
+fn given(baseline: &Explained, model: &Explained) -> Vec<String> {
+    let [declared, law] = [baseline, model].map(|m| &m.fitted.setting.law);
+    let fitted = |hook| model.fitted.unknowns.iter().any(|u| u.quantity == Quantity::Law(hook));
+    let brought = Hook::ALL.into_iter().filter(|&hook| declared.get(hook).is_none() && !fitted(hook));
+    let told = |hook: Hook| {
+        let value = law.get(hook).filter(|&value| value != 0.0)?;
+        let (name, unit) = hook.name_and_unit();
+        Some(if unit == "1" { format!("{name} {value}") } else { format!("{name} {value:.4e} {unit}") })
+    };
+    brought.filter_map(told).collect()
 }
 
 /// Position of an effect along the beam, where it has one.
