@@ -66,14 +66,16 @@ impl Search<'_> {
     /// A complete model with names, whose lines hold more than the noise, on finer grids: what the kinks of the contact send
     /// beyond the lines of a grid comes back to all of them, and is nothing that the names leave.
     pub(super) fn sharpened(&mut self, mut current: Explained) -> Explained {
-        while self.refined < MOST_REFINED && !current.effects.is_empty() && !current.left().is_near_noise() {
-            let Ok(Some(study)) = self.study.resolved(&current.fitted) else { break };
-            let left = FINER * current.left().excess();
-            let sharper = on_finer(&study, &current);
-            let Some(sharper) = sharper.filter(|s| s.complete() && s.left().excess() < left) else { break };
-            self.study = study;
-            self.refined += 1;
-            current = sharper;
+        let mut finer = (self.study.clone(), current.clone(), self.refined);
+        while finer.2 < MOST_REFINED && !finer.1.effects.is_empty() && !finer.1.left().is_near_noise() {
+            let Ok(Some(study)) = finer.0.resolved(&finer.1.fitted) else { break };
+            let left = FINER * finer.1.left().excess();
+            let Some(sharper) = on_finer(&study, &finer.1).filter(|s| s.left().excess() < left) else { break };
+            finer = (study, sharper, finer.2 + 1);
+            // On the way there a run may stand out that the coarser grid was bent to.
+            if finer.1.complete() {
+                (self.study, current, self.refined) = finer.clone();
+            }
         }
         current
     }

@@ -22,6 +22,9 @@ const RELEASED: f64 = 100.0;
 const REFITTED: usize = 4;
 const MOST_REFITTED: usize = 7;
 
+/// Steps of a fit of law and structure together.
+const TOGETHER: usize = 60;
+
 /// Turns in which a fit and where its runs rest agree.
 const REST_ROUNDS: usize = 3;
 
@@ -289,12 +292,23 @@ impl Search<'_> {
             let other = self.study.contact_base(&free, &setting, &law);
             base = base.into_iter().chain(other).min_by(|a, b| a.reduced.total_cmp(&b.reduced));
         }
+        let met = base.as_ref().is_some_and(ContactCandidate::meets);
         if let Some(base) = base {
             setting = base.placed_in(&setting);
         }
         let mut effects = current.effects.clone();
         effects.push(candidate.effect);
-        let found = self.study.whole(setting, &unknowns, (effects, added), 12)?;
+        let start = (setting.clone(), effects.clone(), added.clone());
+        let mut found = self.study.whole(setting, &unknowns, (effects, added), 12)?;
+        // Where the balance closes and a law meets its contacts, a fit that ends far from the data has bent the law to what a resonance makes of
+        // the rest of the structure's error: law and structure go together from the start.
+        if met && candidate.reduced < BALANCE_CLOSED && found.ratio > NEAR {
+            let (setting, effects, added) = start;
+            if let Ok(fitted) = self.study.fit(setting, &unknowns, &self.study.model.memory(), TOGETHER) {
+                let other = self.study.judged(fitted, effects, added);
+                found = if other.criterion < found.criterion { other } else { found };
+            }
+        }
         let mut found = self.rested(found);
         found.sensors = current.sensors.iter().copied().chain([candidate.sensor]).collect();
         Ok(found)
