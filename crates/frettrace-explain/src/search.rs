@@ -3,7 +3,7 @@
 use crate::contact_search::{ContactCandidate, within_reach};
 use crate::effects::{ALL, Simpler, apply, set_by_forms};
 use crate::left::LeftLines;
-use crate::study::merge;
+use crate::study::{as_declared, merge};
 use crate::{ExplainError, Fitted, Study, Unknown};
 use frettrace_forward::accelerations::{PortLaw, Quantity, Setting};
 use frettrace_identify::{Fit, Status};
@@ -51,8 +51,10 @@ pub struct Explained {
     pub added: Vec<Unknown>,
     /// How many of them each effect brought.
     pub(crate) counts: Vec<usize>,
-    /// `χ² + k ln n` over the training runs.
+    /// `χ² + k ln n` over the training runs, with χ² of the runs without a period.
     pub criterion: f64,
+    /// What the runs without a period have in that.
+    pub(crate) series: f64,
     /// Error over noise on the training runs.
     pub ratio: f64,
     /// Largest error over noise of any training run.
@@ -102,6 +104,13 @@ impl Explained {
             }
             _ => true,
         }
+    }
+
+    /// By how much its criterion is below that of another model. Runs without a period that do not judge it, because it has more than a law
+    /// that differs, are no evidence for it.
+    pub(crate) fn gain(&self, over: &Self) -> f64 {
+        let silent = if as_declared(&self.fitted.setting) { 0.0 } else { over.series - self.series };
+        over.criterion - self.criterion - silent
     }
 
     /// Books what `self` has added to `before` as brought by its last effect.
@@ -245,7 +254,18 @@ impl Study<'_> {
         let worst = self.training.iter().map(|&run| self.error(&fitted, &[run]).ratio()).fold(0.0, f64::max);
         let ratio = self.error(&fitted, &self.training).ratio();
         let sensors = vec![None; effects.len()];
-        Explained { effects, sensors, fitted, counts: Vec::new(), added, criterion, ratio, worst, residuals }
+        Explained {
+            effects,
+            sensors,
+            fitted,
+            counts: Vec::new(),
+            added,
+            criterion,
+            series,
+            ratio,
+            worst,
+            residuals,
+        }
     }
 
     /// A simpler effect in the place of the last one of a fitted model, with the whole model.

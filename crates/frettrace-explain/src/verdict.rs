@@ -182,7 +182,12 @@ impl Search<'_> {
         let mut single = None;
         let current = self.extended(baseline, &mut single)?;
         if current.complete() {
-            return Ok(self.sharpened(current));
+            let named = !current.effects.is_empty();
+            return Ok(self.sharpened(
+                current,
+                |left| !named || left.is_near_noise(),
+                |_, one| one.complete(),
+            ));
         }
         let sufficient = current.sufficient(baseline);
         let Some((one, rivals)) = single else { return Ok(current) };
@@ -240,11 +245,7 @@ impl Search<'_> {
                 if wide { found } else { self.hidden_round(&current, found)? }
             };
             let mut better = match found {
-                Some(better)
-                    if better.criterion + EVIDENCE < current.criterion && better.ratio <= current.ratio =>
-                {
-                    better
-                }
+                Some(better) if better.gain(&current) > EVIDENCE && better.ratio <= current.ratio => better,
                 _ => {
                     self.rivals = rivals;
                     current = fitted;

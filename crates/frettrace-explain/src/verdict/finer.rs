@@ -3,6 +3,7 @@
 use super::{BORNE_OUT, EVIDENCE, Search};
 use crate::Study;
 use crate::effects::shaped;
+use crate::left::LeftLines;
 use crate::search::{Explained, excess};
 use frettrace_forward::accelerations::Setting;
 
@@ -63,17 +64,24 @@ impl Search<'_> {
         current
     }
 
-    /// A complete model with names, whose lines hold more than the noise, on finer grids: what the kinks of the contact send
-    /// beyond the lines of a grid comes back to all of them, and is nothing that the names leave.
-    pub(super) fn sharpened(&mut self, mut current: Explained) -> Explained {
+    /// A model that `stands`, on finer grids until its lines hold no more than is `enough`: what the kinks of the contact send beyond the
+    /// lines of a grid comes back to all of them, and is nothing that the model leaves.
+    pub(super) fn sharpened(
+        &mut self,
+        mut current: Explained,
+        enough: impl Fn(LeftLines) -> bool,
+        stands: impl Fn(&Self, &Explained) -> bool,
+    ) -> Explained {
         let mut finer = (self.study.clone(), current.clone(), self.refined);
-        while finer.2 < MOST_REFINED && !finer.1.effects.is_empty() && !finer.1.left().is_near_noise() {
+        while finer.2 < MOST_REFINED && !enough(finer.1.left()) {
             let Ok(Some(study)) = finer.0.resolved(&finer.1.fitted) else { break };
             let left = FINER * finer.1.left().excess();
-            let Some(sharper) = on_finer(&study, &finer.1).filter(|s| s.left().excess() < left) else { break };
+            let Some(sharper) = on_finer(&study, &finer.1).filter(|s| s.left().excess() < left) else {
+                break;
+            };
             finer = (study, sharper, finer.2 + 1);
             // On the way there a run may stand out that the coarser grid was bent to.
-            if finer.1.complete() {
+            if stands(self, &finer.1) {
                 (self.study, current, self.refined) = finer.clone();
             }
         }

@@ -4,6 +4,7 @@ use super::finer::RIGID_ACCURACY;
 use super::rules::{helps, is_followed, may_be, stays_with_contact, stays_with_sensor, takes_all};
 use super::{BALANCE_CALIBRATED, BORNE_OUT, EVIDENCE, FORETOLD, HELD_OUT, Rival, Search};
 use crate::effects::{ALL, EffectPlace};
+use crate::left::LeftLines;
 use crate::search::{Explained, OTHER_FORMULA, REST, excess};
 use crate::study::as_declared;
 use crate::{ChannelFault, RunError};
@@ -80,6 +81,9 @@ pub struct Outcome {
 
 impl Search<'_> {
     pub(super) fn outcome(mut self, mut baseline: Explained, mut model: Explained) -> Outcome {
+        if !model.complete() && self.traces_a_curve(&model) {
+            model = self.sharpened(model, LeftLines::is_noise, Self::traces_a_curve);
+        }
         let borne_out = self.borne_out(&baseline, &model);
         let faults = &self.study.case.faults;
         let named: Vec<&ChannelFault> = faults.iter().filter(|f| self.study.case.allows(f.id)).collect();
@@ -151,13 +155,10 @@ impl Search<'_> {
         self.claimed(model) == 0 || takes_all(model.left(), [baseline, model].map(Explained::excess))
     }
 
-    /// Whether a sensor that saturates is all that a model misses, and by a trace of what it read wrong: its lines are compared with nothing, and
-    /// all others hold noise. The curve by which it bends here is another one.
+    /// Whether a sensor that saturates is all that a model misses: its lines are compared with nothing, and all others hold noise. The curve by
+    /// which it bends here is another one.
     fn leaves_a_curve(&mut self, model: &Explained) -> bool {
-        let saturates = self.study.case.faults.iter().any(|fault| fault.id == "measurement.clipping");
-        let read = self.before.first().map_or(0.0, |before| excess(before.ratio()));
-        let trace = model.worst <= OTHER_FORMULA && model.excess() <= REST * read;
-        let found = saturates && trace && model.left().is_noise();
+        let found = self.traces_a_curve(model) && model.left().is_noise();
         if found {
             self.notes.push(format!(
                 "the sensor that saturates leaves {:.2} times the noise in the worst training run: the curve by which it bends is another one, but all other lines hold noise",
@@ -165,6 +166,17 @@ impl Search<'_> {
             ));
         }
         found
+    }
+
+    /// Whether a model with a sensor that saturates leaves no more than a trace of what that read wrong.
+    fn traces_a_curve(&self, model: &Explained) -> bool {
+        model.worst <= OTHER_FORMULA && self.is_trace_of_a_curve(0, model.excess())
+    }
+
+    /// Whether an excess of the training runs (0) or of those held out (1) is a trace of what a sensor that saturates read wrong in them.
+    fn is_trace_of_a_curve(&self, runs: usize, left: f64) -> bool {
+        let saturates = self.study.case.faults.iter().any(|fault| fault.id == "measurement.clipping");
+        saturates && self.before.get(runs).is_some_and(|read| left <= REST * excess(read.ratio()))
     }
 
     /// How many of a model's effects were fitted: every run in which the support lifts off bears that out by itself.
@@ -185,7 +197,10 @@ impl Search<'_> {
                 self.notes.push(of_one(error.ratio()));
                 return true;
             }
-            return error.ratio() <= BORNE_OUT || self.within_method && self.by_method(model, held_out);
+            let by_curve = model.left().is_noise() && self.is_trace_of_a_curve(1, excess(error.ratio()));
+            return error.ratio() <= BORNE_OUT
+                || by_curve
+                || self.within_method && self.by_method(model, held_out);
         }
         let ratio = |of: &Explained| self.study.error(&of.fitted, held_out).ratio();
         let unbent = self.unbent_baseline(baseline).filter(|unbent| ratio(unbent) < ratio(baseline));
