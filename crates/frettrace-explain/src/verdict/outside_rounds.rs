@@ -28,7 +28,23 @@ const TOGETHER: usize = 60;
 /// Turns in which a fit and where its runs rest agree.
 const REST_ROUNDS: usize = 3;
 
+/// What of a model's structure parks at the end of what was declared of it.
+fn strained(model: &Explained) -> impl Iterator<Item = &Unknown> {
+    let fitted = &model.fitted;
+    fitted.unknowns.iter().filter(|unknown| {
+        let (low, high) = unknown.parameter.bounds;
+        let value = fitted.setting.get(unknown.quantity).unwrap_or_default();
+        unknown.parameter.prior.is_some() && (value - low).min(high - value) < AT_BOUND * (high - low)
+    })
+}
+
 impl Search<'_> {
+    /// Whether a model that is complete has been strained to be so: its lines hold more than the noise with part of its structure at the end of
+    /// what was declared of it.
+    pub(super) fn is_strained(&self, model: &Explained) -> bool {
+        !model.left().is_noise() && strained(model).next().is_some()
+    }
+
     /// Where structure effects start from: what was declared, or the model that already holds effects. A base fit of a law to
     /// an open balance bends the structure to what is missing.
     fn structural_start(&self, current: &Explained) -> Setting {
@@ -142,14 +158,8 @@ impl Search<'_> {
     /// A model that is complete with a mode at the end of what was declared of it, with that mode released: law and modes together may
     /// have taken up what one of them lacks. Where that is so and the name is not asked for, the structure is strained.
     pub(super) fn released(&mut self, current: &Explained) -> Option<Explained> {
-        let fitted = &current.fitted;
-        let strained = fitted.unknowns.iter().filter(|unknown| {
-            let (low, high) = unknown.parameter.bounds;
-            let value = fitted.setting.get(unknown.quantity).unwrap_or_default();
-            unknown.parameter.prior.is_some() && (value - low).min(high - value) < AT_BOUND * (high - low)
-        });
         let candidates: Vec<BalanceCandidate> =
-            strained.filter_map(|unknown| self.release(current, unknown.quantity)).collect();
+            strained(current).filter_map(|unknown| self.release(current, unknown.quantity)).collect();
         let asked = candidates.par_iter().map(|c| self.asked(current, c)).collect();
         let found = self.answered(asked);
         let found = self.take_best(current, found)?;
