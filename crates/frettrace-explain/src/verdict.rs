@@ -219,6 +219,9 @@ impl Search<'_> {
             if !current.effects.is_empty()
                 && let Some(better) = self.restarted(&current)
             {
+                // A second effect may not be named for what a finer grid does to the first.
+                let better = self.further(better, current.excess());
+                self.coarse = None;
                 fitted = better.clone();
                 current = better;
                 if let Some((one, _)) = single.as_mut().filter(|_| current.effects.len() == 1) {

@@ -28,10 +28,11 @@ const TOGETHER: usize = 60;
 /// Turns in which a fit and where its runs rest agree.
 const REST_ROUNDS: usize = 3;
 
-/// What of a model's structure parks at the end of what was declared of it.
+/// Frequencies and dampings of a model that park at the end of what was declared of them.
 fn strained(model: &Explained) -> impl Iterator<Item = &Unknown> {
     let fitted = &model.fitted;
-    fitted.unknowns.iter().filter(|unknown| {
+    let modal = |q: Quantity| matches!(q, Quantity::ModeFrequency(_) | Quantity::ModeDamping(_));
+    fitted.unknowns.iter().filter(move |unknown| modal(unknown.quantity)).filter(|unknown| {
         let (low, high) = unknown.parameter.bounds;
         let value = fitted.setting.get(unknown.quantity).unwrap_or_default();
         unknown.parameter.prior.is_some() && (value - low).min(high - value) < AT_BOUND * (high - low)
@@ -39,8 +40,8 @@ fn strained(model: &Explained) -> impl Iterator<Item = &Unknown> {
 }
 
 impl Search<'_> {
-    /// Whether a model that is complete has been strained to be so: its lines hold more than the noise with part of its structure at the end of
-    /// what was declared of it.
+    /// Whether a model that is complete has been strained to be so: its lines hold more than the noise with a mode at the end of what was
+    /// declared of it.
     pub(super) fn is_strained(&self, model: &Explained) -> bool {
         !model.left().is_noise() && strained(model).next().is_some()
     }
