@@ -54,6 +54,8 @@ impl Effect for FrictionWear {
         vec![
             Change::between(Hook::WearExponent, 1.0, (0.1, 12.0)),
             Change::linear(Hook::WearSettling, 0.0, 1.0, (-6.0, 12.0)),
+            // From the number of the run to the work that friction has done.
+            Change::linear(Hook::WearWork, 0.0, 0.5, (0.0, 1.0)),
         ]
     }
 }

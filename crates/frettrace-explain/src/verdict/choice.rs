@@ -119,9 +119,16 @@ impl Search<'_> {
             let (complete, others): (Vec<_>, Vec<_>) = found.drain(..).partition(Explained::complete);
             let polished = if complete.len() > 1 { ended(&self.study, &complete) } else { complete.clone() };
             let better = complete.into_iter().zip(polished);
-            found.extend(
-                better.map(|(one, longer)| if longer.criterion < one.criterion { longer } else { one }),
-            );
+            let better: Vec<Explained> = better
+                .map(|(one, longer)| if longer.criterion < one.criterion { longer } else { one })
+                .collect();
+            // Nor may one be ahead of another for its laboratory's formula.
+            let least = better.iter().map(|one| one.criterion).fold(f64::INFINITY, f64::min);
+            let shaped = |one: Explained| {
+                let other = if one.criterion > least + EVIDENCE { self.study.with_shape(&one) } else { None };
+                other.unwrap_or(one)
+            };
+            found.extend(better.into_par_iter().map(shaped).collect::<Vec<_>>());
             found.extend(others);
             return;
         }

@@ -92,21 +92,8 @@ impl Search<'_> {
     /// samples or on the lines: the form that did best on the recovered contacts may be another laboratory's.
     pub(super) fn shaped(&mut self, current: Explained, lacked: f64) -> Explained {
         let fits = current.complete() && current.left().is_noise();
-        let Some(&effect) = current.effects.last().filter(|_| !fits) else { return current };
-        let mut richer = current.clone();
-        let law = &mut richer.fitted.setting.law;
-        let brought = shaped(effect, law, &current.added, &self.study.scales);
-        if brought.is_empty() {
-            return current;
-        }
-        richer.added.extend(brought);
-        if let Some(count) = richer.counts.last_mut() {
-            *count += richer.added.len() - current.added.len();
-        }
-        match self.study.polished(&richer) {
-            Ok(better) if better.criterion + EVIDENCE < current.criterion => self.further(better, lacked),
-            _ => current,
-        }
+        let better = if fits { None } else { self.study.with_shape(&current) };
+        better.map_or(current, |better| self.further(better, lacked))
     }
 
     /// Whether what a model with a rigid contact leaves beside the noise is no more than its balance may be wrong by.
@@ -128,6 +115,24 @@ impl Search<'_> {
         if let Some(coarse) = self.coarse.take() {
             (self.study, self.refined) = coarse;
         }
+    }
+}
+
+impl Study<'_> {
+    /// A model with the further values of its last effect's shape; `None` where these explain nothing.
+    pub(super) fn with_shape(&self, current: &Explained) -> Option<Explained> {
+        let &effect = current.effects.last()?;
+        let mut richer = current.clone();
+        let law = &mut richer.fitted.setting.law;
+        let brought = shaped(effect, law, &current.added, &self.scales);
+        if brought.is_empty() {
+            return None;
+        }
+        richer.added.extend(brought);
+        if let Some(count) = richer.counts.last_mut() {
+            *count += richer.added.len() - current.added.len();
+        }
+        self.polished(&richer).ok().filter(|better| better.criterion + EVIDENCE < current.criterion)
     }
 }
 
