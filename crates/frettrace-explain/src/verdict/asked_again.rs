@@ -110,8 +110,17 @@ impl<'a> Begun<'a> {
         // Where both other splits contradicted it, the declared model lacks something however little shows where it is fitted.
         let settled = followed && !search.series_open(&baseline) && split != Split::One;
         // So it does where no contact force closes the balance, however little of that shows among the noise of all samples.
-        let done = settled && !search.is_open(&baseline) && !search.is_strained(&baseline);
+        let done = settled && !search.is_open(&baseline);
         let mut model = if done { baseline.clone() } else { search.close(&baseline)? };
+        // What takes the strain from a mode must take all of it, and help where nothing was fitted: lines hold more than the noise where a grid
+        // is coarse, too.
+        if done && search.is_strained(&baseline) {
+            let mut other = search.clone();
+            let eased = other.close(&baseline)?;
+            if other.eases(&baseline, &eased) {
+                (search, model) = (other, eased);
+            }
+        }
         if settled && model.effects.is_empty() {
             model = search.released(&model).unwrap_or(model);
         }

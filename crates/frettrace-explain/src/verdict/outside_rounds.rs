@@ -164,18 +164,10 @@ impl Search<'_> {
         let asked = candidates.par_iter().map(|c| self.asked(current, c)).collect();
         let found = self.answered(asked);
         let found = self.take_best(current, found)?;
-        let held_out = &self.study.held_out;
-        let error = |of: &Explained| self.study.error(&of.fitted, held_out).ratio();
         let told = found.complete()
             && found.criterion + RELEASED < current.criterion
             && self.takes_all(current, &found);
-        // What only the fitted runs ask for is an error of theirs, or of the model.
-        let foretold = told
-            && !held_out.is_empty()
-            && helps(
-                self.study.improvement(&current.fitted, &found.fitted, held_out),
-                [error(current), error(&found)],
-            );
+        let foretold = told && self.foretells(current, &found);
         let allowed = found.effects.last().is_some_and(|&e| self.study.case.allows(ALL[e].id()));
         self.strained = foretold && !allowed;
         self.tried.retain(|t| self.study.case.allows(t.id));
@@ -184,6 +176,20 @@ impl Search<'_> {
         }
         self.rivals.clear();
         None
+    }
+
+    /// Whether a model with names has all that a strained one's lines hold beside the noise.
+    pub(super) fn eases(&self, strained: &Explained, model: &Explained) -> bool {
+        let fits = !model.effects.is_empty() && model.complete() && model.left().is_noise();
+        fits && self.foretells(strained, model)
+    }
+
+    /// Whether runs held out ask for a model too: what only the fitted ones ask for is an error of theirs, or of the model.
+    fn foretells(&self, before: &Explained, model: &Explained) -> bool {
+        let held_out = &self.study.held_out;
+        let error = |of: &Explained| self.study.error(&of.fitted, held_out).ratio();
+        let improved = || self.study.improvement(&before.fitted, &model.fitted, held_out);
+        !held_out.is_empty() && helps(improved(), [error(before), error(model)])
     }
 
     /// The effect of a mode with another frequency or damping than declared.
