@@ -392,15 +392,18 @@ impl Study<'_> {
             .collect()
     }
 
-    /// Amplitude of the velocity (m/s) on the excitation's line, the largest of any sensor and fitted run.
-    pub(crate) fn fastest_sensor(&self) -> f64 {
+    /// Amplitudes of displacement (m) and velocity (m/s) on the excitation's line, the largest of any sensor and fitted run.
+    pub(crate) fn largest_motion(&self) -> [f64; 2] {
         let runs =
             self.training.iter().map(|&run| (&self.model.runs[run], self.case.records[run].subharmonic));
         let of_run = |(lines, first): (&RunLines, usize)| {
             let sizes = lines.acceleration.iter().filter_map(|sensor| sensor.get(first));
-            sizes.map(|line| line.norm()).fold(0.0, f64::max) / (first as f64 * lines.omega)
+            let omega = first as f64 * lines.omega;
+            let fastest = sizes.map(|line| line.norm()).fold(0.0, f64::max) / omega;
+            [fastest / omega, fastest]
         };
-        runs.map(of_run).fold(0.0, f64::max)
+        let larger = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
+        runs.map(of_run).fold([0.0; 2], larger)
     }
 
     /// A port with its unknowns in the model.

@@ -25,6 +25,10 @@ const MOST_REFITTED: usize = 7;
 /// Steps of a fit of law and structure together.
 const TOGETHER: usize = 60;
 
+/// Displacement at which a cubic spring yields, over the largest on the beam: the least, where a fit starts, and the most. One that yields below
+/// half the motion is a linear one, one that does not below three times it is cubic.
+const YIELDS: [f64; 3] = [0.5, 1.5, 3.0];
+
 /// Turns in which a fit and where its runs rest agree.
 const REST_ROUNDS: usize = 3;
 
@@ -104,7 +108,7 @@ impl Search<'_> {
         let worthy: Vec<&BalanceCandidate> = candidates.iter().filter(worth).collect();
         let asked = worthy.par_iter().map(|c| self.asked(current, c)).collect();
         let found = self.answered(asked);
-        let found = self.take_best(current, found).map(|found| self.with_power(found));
+        let found = self.take_best(current, found).map(|found| self.with_formula(found));
         let found = found.map(|found| self.further(found, current.excess()));
         // A force that the balance does not show must leave nothing else to be explained.
         let ahead = |found: &Explained| {
@@ -126,23 +130,28 @@ impl Search<'_> {
         }
     }
 
-    /// Damping of a place by the square of the velocity, by any power about it where that explains better: a tangent at rest knows the square only, and a
-    /// laboratory's formula may be another.
-    fn with_power(&self, found: Explained) -> Explained {
+    /// Damping of a place by the square of the velocity with any power about it, and a cubic spring there with a yield, where that explains
+    /// better: a tangent at rest knows the square and the cube only, and a laboratory's formula may be another.
+    fn with_formula(&self, found: Explained) -> Explained {
         let mut setting = found.fitted.setting.clone();
         let Some(port) = setting.ports.pop() else { return found };
-        let square = match port {
-            Port {
-                place: PortPlace::At(_),
-                law: PortLaw::Polynomial,
-                coefficients: [0.0, 0.0, 0.0, square],
-            } if !found.left().is_noise() => square,
+        let at_place = matches!(port.place, PortPlace::At(_)) && port.law == PortLaw::Polynomial;
+        if !at_place || found.left().is_noise() {
+            return found;
+        }
+        let [largest, fastest] = self.study.largest_motion();
+        let (law, coefficients, range) = match port.coefficients {
+            [0.0, 0.0, 0.0, square] => {
+                let range = thresholds(&[], PortLaw::Power);
+                (PortLaw::Power, [square * fastest * fastest, 2.0, fastest, 0.0], range)
+            }
+            [0.0, 0.0, cube, 0.0] => {
+                let range = (YIELDS[0] * largest, YIELDS[2] * largest);
+                (PortLaw::Yielding, [cube, YIELDS[1] * largest, 0.0, 0.0], Some(range))
+            }
             _ => return found,
         };
-        let fastest = self.study.fastest_sensor();
-        let coefficients = [square * fastest * fastest, 2.0, fastest, 0.0];
-        let port = Port { law: PortLaw::Power, coefficients, ..port };
-        let form = self.study.form(&setting, port, (&[0, 1], thresholds(&[], PortLaw::Power)));
+        let form = self.study.form(&setting, Port { law, coefficients, ..port }, (&[0, 1], range));
         let mut other = found.clone();
         other.fitted.setting = form.setting;
         if let Some(count) = other.counts.last_mut() {
