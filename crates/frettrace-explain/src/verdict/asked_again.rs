@@ -9,6 +9,7 @@ use super::outcome::Outcome;
 use super::rules::is_followed;
 use super::{CONTRADICTED, EVIDENCE, FORETOLD, Rival, Search};
 use crate::effects::ALL;
+use crate::left::LeftLines;
 use crate::search::Explained;
 use crate::{Case, ExplainError, Split, Study};
 
@@ -90,6 +91,10 @@ impl<'a> Begun<'a> {
             && let Some(better) = search.restarted(&baseline)
         {
             baseline = better;
+        }
+        // What a coarse grid bent to the fitted runs misses the others.
+        if baseline.complete() && search.held_out_ratio(&baseline) > CONTRADICTED {
+            baseline = search.sharpened(baseline, LeftLines::is_near_noise, |_, one| one.complete());
         }
         search.before = search.errors_as_read(&baseline);
         search.within_method = !baseline.complete() && search.within_method(&baseline);
