@@ -94,6 +94,8 @@ struct Search<'a> {
     other_formula: bool,
     /// Whether a mode must leave what was declared of it, and its name is not asked for.
     strained: bool,
+    /// Whether a mode that deviates from what was declared of it is named, which no error shows.
+    deviates: bool,
     /// Whether one set of values of the declared law follows all runs, those that were held out among them.
     of_one_law: bool,
     /// Most effects named together.
@@ -122,6 +124,7 @@ impl<'a> Search<'a> {
             within_method: false,
             other_formula: false,
             strained: false,
+            deviates: false,
             of_one_law: false,
             most_effects: MOST_EFFECTS,
             lifts_off: false,

@@ -129,6 +129,9 @@ impl<'a> Begun<'a> {
         if settled && model.effects.is_empty() {
             model = search.released(&model).unwrap_or(model);
         }
+        if settled && model.effects.is_empty() && !search.strained {
+            model = search.deviating(&model).unwrap_or(model);
+        }
         if let Some(better) = search.rebased(&baseline, &model) {
             // One that misses the runs held out follows the others because it was bent to them.
             let follows = better.complete() && search.held_out_ratio(&better) <= CONTRADICTED;
