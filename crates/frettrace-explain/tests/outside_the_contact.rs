@@ -283,6 +283,24 @@ fn a_mode_is_damped_otherwise_than_declared() {
     assert!((found / 0.02 - 1.0).abs() < 0.01, "{found}");
 }
 
+/// The first natural frequency declared 4.7 of its deviations off is another one, and says so while every error is at its floor; 2.5 are chance.
+#[test]
+fn a_frequency_beyond_its_deviation_is_named() {
+    let rig = rig();
+    let mut case = declared(&rig, &measured(&rig, &LEVELS));
+    let frequency = case.modes.frequency[0];
+    for (deviations, named) in [(2.5, None), (4.7, Some("structure.modal-frequency"))] {
+        case.modes.frequency[0] = frequency * (1.0 + deviations * 1e-5);
+        let outcome = explain(&case).unwrap();
+        assert_eq!(outcome.effects.first().map(|e| e.id), named, "{deviations}");
+        assert!(outcome.effects.len() < 2 && outcome.error[0].ratio() < 1.02, "{deviations}");
+        if named.is_some() {
+            let found = outcome.model.fitted.setting.frequency[0];
+            assert!((found / frequency - 1.0).abs() < 1e-5, "{found} instead of {frequency}");
+        }
+    }
+}
+
 /// Natural frequencies that fall by 0.2 % while the rig warms up, `1 − e^{−4p}` of it by `p` of the runs: one name, its size to a
 /// hundredth (its standard error is 0.4 %). The first and the last run are among the fitted ones; without the last the end is guessed.
 #[test]

@@ -20,8 +20,10 @@ const QUICK: f64 = 1.0;
 /// formula, a drift whose settling form was not asked, a formula behind three starts of another, a law far from the contacts; runs without a period
 /// whose law was bent to what it lacks, damping by another power than two, the same within the noise of all samples, and a weak one for which friction stood in; a modulation that the
 /// weakest runs hide, a name given up for a law that missed the runs held out, a rigid contact that chatters; a hum beside a third of the excitation,
-/// lines near half the sampling rate of a channel that clips, a lag of which a film stood in the way.
-const MENDED: [(u64, &str); 27] = [
+/// lines near half the sampling rate of a channel that clips, a lag of which a film stood in the way; a second support in a contact that slides
+/// sideways, a frequency whose deviation no error shows, a grid that was made finer once where twice was needed, a law bent by a resonance, a cube that dampings had
+/// taken up, one that yields, and a bent reading whose mean hid a structure that was off.
+const MENDED: [(u64, &str); 33] = [
     (251, "clean 2 lugre rotation"),
     (251, "structure.quadratic-damping 1 hybrid transverse"),
     (251, "unlisted:structure/even-stiffness 1 dahl transverse"),
@@ -49,6 +51,12 @@ const MENDED: [(u64, &str); 27] = [
     (301, "measurement.hum/third-harmonic 1 hybrid rotation"),
     (301, "measurement.clipping/soft 2 hybrid rotation"),
     (301, "friction.lag 2 lugre transverse"),
+    (301, "structure.modal-frequency 1 hybrid rotation"),
+    (302, "friction.asymmetry 2 hybrid rotation"),
+    (302, "structure.modal-damping 2 hybrid rotation"),
+    (302, "structure.cubic-stiffness 2 dahl transverse"),
+    (302, "structure.cubic-stiffness/yielding 2 dahl rotation"),
+    (302, "measurement.clipping/soft 1 hybrid transverse"),
 ];
 
 fn run() -> anyhow::Result<Outcome> {
