@@ -121,9 +121,11 @@ impl<'a> Begun<'a> {
         // is coarse, too.
         if done && search.is_strained(&baseline) {
             let mut other = search.clone();
-            let eased = other.close(&baseline)?;
-            if other.eases(&baseline, &eased) {
-                (search, model) = (other, eased);
+            let finer = other.sharpened(baseline.clone(), LeftLines::is_noise, |_, one| one.complete());
+            let eased = if other.is_strained(&finer) { other.close(&finer)? } else { finer.clone() };
+            if other.eases(&finer, &eased) {
+                (search, model, baseline) = (other, eased, finer);
+                search.before = search.errors_as_read(&baseline);
             }
         }
         if settled && model.effects.is_empty() {
