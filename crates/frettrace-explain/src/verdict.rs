@@ -55,6 +55,10 @@ pub(crate) const BALANCE_CLOSED_RUN: f64 = 2.6;
 /// Growth of the worst error that a lift-off seen in runs without a period may bring to the others.
 const LIFTED: f64 = 1.02;
 
+/// What a second support along the beam whose stiffness is nothing may be the cube, or the damping, of.
+const STANDS_IN_FOR: [&str; 3] =
+    ["structure.cubic-stiffness", "structure.quadratic-damping", "structure.modal-damping"];
+
 /// A model that another one was preferred to.
 #[derive(Clone, Copy)]
 struct Rival {
@@ -140,12 +144,14 @@ impl<'a> Search<'a> {
 }
 
 impl Search<'_> {
-    /// The models that have an answer and are what their last name says; of those without an answer it is kept why.
+    /// The models that have an answer and are what their last name says; of those without an answer it is kept why. A support that carries
+    /// nothing rubs, where the cubes and dampings that it could stand in for are in the list themselves.
     fn answered(&mut self, asked: Vec<Asked>) -> Vec<Explained> {
         let mut found = Vec::new();
+        let rubs = STANDS_IN_FOR.iter().all(|id| self.study.case.allows(id));
         for Asked { effect, answer } in asked {
             match answer {
-                Ok(model) if model.carries() => found.push(model),
+                Ok(model) if rubs || model.carries() => found.push(model),
                 Ok(_) => {}
                 Err(reason) => self.refused.push((effect, reason.to_string())),
             }

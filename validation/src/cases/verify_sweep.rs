@@ -22,8 +22,8 @@ const QUICK: f64 = 1.0;
 /// weakest runs hide, a name given up for a law that missed the runs held out, a rigid contact that chatters; a hum beside a third of the excitation,
 /// lines near half the sampling rate of a channel that clips, a lag of which a film stood in the way; a second support in a contact that slides
 /// sideways, a frequency whose deviation no error shows, a grid that was made finer once where twice was needed, a law bent by a resonance, a cube that dampings had
-/// taken up, one that yields, and a bent reading whose mean hid a structure that was off.
-const MENDED: [(u64, &str); 33] = [
+/// taken up, one that yields, a support that rubs, a damping that a coarse grid bent, and a bent reading whose mean hid a structure that was off.
+const MENDED: [(u64, &str); 35] = [
     (251, "clean 2 lugre rotation"),
     (251, "structure.quadratic-damping 1 hybrid transverse"),
     (251, "unlisted:structure/even-stiffness 1 dahl transverse"),
@@ -51,6 +51,8 @@ const MENDED: [(u64, &str); 33] = [
     (301, "measurement.hum/third-harmonic 1 hybrid rotation"),
     (301, "measurement.clipping/soft 2 hybrid rotation"),
     (301, "friction.lag 2 lugre transverse"),
+    (261, "structure.second-support/rubbing 2 dahl rotation"),
+    (261, "clean 22 lugre rotation"),
     (301, "structure.modal-frequency 1 hybrid rotation"),
     (302, "friction.asymmetry 2 hybrid rotation"),
     (302, "structure.modal-damping 2 hybrid rotation"),
