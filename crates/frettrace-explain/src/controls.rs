@@ -76,7 +76,8 @@ pub fn controls(
         let drawn = match question {
             Question::LeftOut => left_out(case, outcome),
             Question::Surrogate => {
-                drawn(&clean, &model, &outcome.baseline.fitted.setting, random(seed, index))?
+                let setting = &outcome.baseline.fitted.setting;
+                declared_as_made(drawn(&clean, &model, setting, random(seed, index))?, setting)
             }
             Question::Injection(share) => {
                 drawn(&clean, &model, &shrunk(outcome, share), random(seed, index))?
@@ -132,6 +133,14 @@ fn drawn(clean: &Case, model: &AccelerationModel, setting: &Setting, mut random:
         redraw(record, prediction, &mut random);
     }
     Some(made)
+}
+
+/// A case that is declared as it was made: what the declared model lacks has bent its structure, and a surrogate of it lacks nothing.
+fn declared_as_made(mut made: Case, setting: &Setting) -> Case {
+    let modes = &mut made.modes;
+    modes.frequency.iter_mut().zip(&setting.frequency).for_each(|(declared, made)| *declared = *made);
+    modes.damping.iter_mut().zip(&setting.damping).for_each(|(declared, made)| *declared = *made);
+    made
 }
 
 fn redraw(record: &mut RunRecord, prediction: Prediction, random: &mut Pcg64) {
