@@ -137,9 +137,8 @@ fn drawn(clean: &Case, model: &AccelerationModel, setting: &Setting, mut random:
 
 /// A case that is declared as it was made: what the declared model lacks has bent its structure, and a surrogate of it lacks nothing.
 fn declared_as_made(mut made: Case, setting: &Setting) -> Case {
-    let modes = &mut made.modes;
-    modes.frequency.iter_mut().zip(&setting.frequency).for_each(|(declared, made)| *declared = *made);
-    modes.damping.iter_mut().zip(&setting.damping).for_each(|(declared, made)| *declared = *made);
+    made.modes.frequency.clone_from(&setting.frequency);
+    made.modes.damping.clone_from(&setting.damping);
     made
 }
 

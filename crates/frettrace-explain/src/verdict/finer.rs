@@ -72,6 +72,9 @@ impl Search<'_> {
         enough: impl Fn(LeftLines) -> bool,
         stands: impl Fn(&Self, &Explained) -> bool,
     ) -> Explained {
+        if enough(current.left()) {
+            return current;
+        }
         let mut finer = (self.study.clone(), current.clone(), self.refined);
         while finer.2 < MOST_REFINED && !enough(finer.1.left()) {
             let Ok(Some(study)) = finer.0.resolved(&finer.1.fitted) else { break };

@@ -181,7 +181,7 @@ impl Search<'_> {
             && found.criterion + RELEASED < current.criterion
             && self.takes_all(current, &found);
         let foretold = told && self.foretells(current, &found);
-        let allowed = found.effects.last().is_some_and(|&e| self.study.case.allows(ALL[e].id()));
+        let allowed = self.may_be_named(&found);
         self.strained = foretold && !allowed;
         self.tried.retain(|t| self.study.case.allows(t.id));
         if foretold && allowed {
@@ -213,7 +213,7 @@ impl Search<'_> {
         if !found.complete() || !found.left().is_noise() || found.gain(current) < EVIDENCE {
             return None;
         }
-        let allowed = found.effects.last().is_some_and(|&e| self.study.case.allows(ALL[e].id()));
+        let allowed = self.may_be_named(&found);
         self.strained = !allowed;
         self.deviates = allowed;
         allowed.then_some(found)
@@ -223,6 +223,11 @@ impl Search<'_> {
     pub(super) fn eases(&self, strained: &Explained, model: &Explained) -> bool {
         let fits = !model.effects.is_empty() && model.complete() && model.left().is_noise();
         fits && self.foretells(strained, model)
+    }
+
+    /// Whether the last effect of a model may be asked for by its name.
+    fn may_be_named(&self, model: &Explained) -> bool {
+        model.effects.last().is_some_and(|&effect| self.study.case.allows(ALL[effect].id()))
     }
 
     /// Whether runs held out ask for a model too: what only the fitted ones ask for is an error of theirs, or of the model.
