@@ -28,25 +28,27 @@ fn rig() -> Result<Rig, BeamError> {
     })
 }
 
-/// A signal with odd harmonics that fall, and something like noise.
-fn signal(level: f64, place: f64) -> Vec<f64> {
+/// A signal with odd harmonics that fall, a share that fits no period, and something like noise.
+fn signal(level: f64, place: f64, share: f64) -> Vec<f64> {
     let at = |j: usize| {
         let phase = std::f64::consts::TAU * FREQUENCY * j as f64 / RATE;
         let odd = |h: f64| (h * phase + place * h).cos() / (h * h);
-        level * (1..20).step_by(2).map(|h| odd(f64::from(h))).sum::<f64>()
+        let beside = share * (2.0_f64.sqrt() * phase + place).cos();
+        level * ((1..20).step_by(2).map(|h| odd(f64::from(h))).sum::<f64>() + beside)
             + 0.06 * (1e4 * (j as f64).sin()).sin()
     };
     (0..SAMPLES).map(at).collect()
 }
 
-fn channels() -> Vec<Vec<Vec<f64>>> {
-    let run = |level: f64| SENSORS.iter().chain(&[0.28]).map(|x| signal(level, *x)).collect();
+fn channels(share: f64) -> Vec<Vec<Vec<f64>>> {
+    let run = |level: f64| SENSORS.iter().chain(&[0.28]).map(|x| signal(level, *x, share)).collect();
     (0..8).map(|run_| run(2.0_f64.powi(run_))).collect()
 }
 
-#[divan::bench]
-fn eight_runs(bencher: divan::Bencher<'_, '_>) {
-    let (Ok(rig), channels) = (rig(), channels()) else { return };
+/// All of them periodic, and none.
+#[divan::bench(args = [0.0, 0.3])]
+fn eight_runs(bencher: divan::Bencher<'_, '_>, share: f64) {
+    let (Ok(rig), channels) = (rig(), channels(share)) else { return };
     let runs: Vec<RunData<'_>> = channels
         .iter()
         .map(|run| RunData {
@@ -63,7 +65,7 @@ fn eight_runs(bencher: divan::Bencher<'_, '_>) {
 
 #[divan::bench]
 fn one_transform_a_channel(bencher: divan::Bencher<'_, '_>) {
-    let channels = channels();
+    let channels = channels(0.0);
     bencher
         .bench(|| channels.iter().flatten().map(|x| frettrace_fourier::spectrum(x)[1]).collect::<Vec<_>>());
 }

@@ -74,23 +74,40 @@ struct Round {
     covariance: Mat<f64>,
 }
 
-/// Solves a run without assuming a period: what is left of its samples when what is known is taken off, which is put back at the end.
-/// `doubt` is the share of the accelerations that the structure itself may be wrong by.
-pub(crate) fn solve(
-    setting: &Setting<'_>,
-    left: &Left,
-    (known, doubt): (&Known, f64),
-    loads: &[Load],
-) -> RunBalance {
-    let whole = Whole::new(setting, left, (known, doubt), loads);
-    let mut round = whole.round(whole.tapered_priors(left));
-    for _ in 1..ROUNDS {
-        round = whole.round(whole.updated_priors(&round, ESTIMATED));
+/// A run without an assumed period, its forces and free decays estimated; the bands cost more and are worked out when asked for.
+pub(crate) struct Estimated<'a> {
+    whole: Whole<'a>,
+    round: Round,
+}
+
+impl<'a> Estimated<'a> {
+    /// Estimates from what is left of the samples when what is `known` is taken off, which is put back at the end. `doubt` is the share
+    /// of the accelerations that the structure itself may be wrong by.
+    pub(crate) fn new(
+        setting: &'a Setting<'a>,
+        left: &Left,
+        (known, doubt): (&'a Known, f64),
+        loads: &'a [Load],
+    ) -> Self {
+        let whole = Whole::new(setting, left, (known, doubt), loads);
+        let mut round = whole.round(whole.tapered_priors(left));
+        for _ in 1..ROUNDS {
+            round = whole.round(whole.updated_priors(&round, ESTIMATED));
+        }
+        Self { whole, round }
     }
-    let mut allowed = whole.updated_priors(&round, ALLOWED);
-    allowed.iter_mut().flatten().for_each(|power| *power *= FROM_FEW);
-    let allowed = whole.round(allowed);
-    whole.outcome(&round, &allowed)
+
+    /// Samples of the fitted accelerations, sensor by sensor, what was known not put back.
+    pub(crate) fn fitted(&self) -> Vec<Vec<f64>> {
+        self.whole.fitted(&self.round)
+    }
+
+    /// The balance with its bands.
+    pub(crate) fn balance(&self) -> RunBalance {
+        let mut allowed = self.whole.updated_priors(&self.round, ALLOWED);
+        allowed.iter_mut().flatten().for_each(|power| *power *= FROM_FEW);
+        self.whole.outcome(&self.round, &self.whole.round(allowed))
+    }
 }
 
 impl<'a> Whole<'a> {
@@ -199,11 +216,12 @@ impl<'a> Whole<'a> {
 
     /// The common unknowns in bin `k` (from 0): which of the bin's vectors each moves, and by how much.
     fn columns(&self, k: usize, jumps: &[Jump]) -> Vec<(usize, Complex64)> {
-        let decays = self.decays.all.iter().enumerate().map(|(i, decay)| (i / 2, decay.acceleration[k]));
-        let jumps = jumps.iter().enumerate().flat_map(|(u, jump)| {
-            self.ramps.iter().map(move |ramp| (self.record.modes + u, -ramp[k] * jump.below(k)))
-        });
-        decays.chain(jumps).collect()
+        let mut columns = Vec::with_capacity(self.decays.all.len() + JUMPS * jumps.len());
+        columns.extend(self.decays.all.iter().enumerate().map(|(i, decay)| (i / 2, decay.acceleration[k])));
+        for (u, jump) in jumps.iter().enumerate() {
+            columns.extend(self.ramps.iter().map(|ramp| (self.record.modes + u, -ramp[k] * jump.below(k))));
+        }
+        columns
     }
 
     /// Adds one bin to the normal equations (upper triangle) of the common unknowns.

@@ -2,7 +2,7 @@
 
 use super::drift::{Polynomial, Seen, Weighed, levels};
 use super::ends::JUMPS;
-use super::sources::{Common, OUTPUTS, Outputs, Spectra};
+use super::sources::{Common, OUTPUTS, Outputs, Spectra, add};
 use super::{Round, Whole};
 use crate::contact::{BalanceResidual, ContactHarmonics, RunBalance, SharedErrors};
 use crate::dynamics::Load;
@@ -94,10 +94,30 @@ impl Whole<'_> {
             .collect()
     }
 
+    /// What contact and free decays make of the accelerations, and that with what the exciter makes.
+    fn accelerations(&self, k: usize, made_by: (&Round, &[Complex64])) -> (Vec<Complex64>, Vec<Complex64>) {
+        let (contact, bin) = (self.contact_accelerations(k, made_by), &self.bins[k]);
+        let exciter = |s: usize| bin.line.acceleration(s, Load::Exciter) * bin.exciter;
+        let fit = contact.iter().enumerate().map(|(s, a)| a + exciter(s)).collect();
+        (contact, fit)
+    }
+
+    /// Samples of the fitted accelerations, sensor by sensor.
+    pub(super) fn fitted(&self, round: &Round) -> Vec<Vec<f64>> {
+        let fit = |k: usize| self.accelerations(k, (round, &self.forces(k, round).1)).1;
+        let bins: Vec<Vec<Complex64>> = (0..self.bins.len()).into_par_iter().map(fit).collect();
+        let sampled = |s: usize| {
+            let amplitudes = std::iter::once(Complex64::ZERO).chain(bins.iter().map(|bin| bin[s]));
+            let harmonics = Harmonics::exact(self.base, amplitudes.collect());
+            harmonics.sample(self.record.rate, self.record.samples)
+        };
+        (0..self.setting.dynamics.sensors()).into_par_iter().map(sampled).collect()
+    }
+
     fn row(&self, k: usize, (round, allowed): (&Round, &Round), line: Complex64) -> Row {
         let bin = &self.bins[k];
         let (held, answered) = self.forces(k, round);
-        let contact = self.contact_accelerations(k, (round, &answered));
+        let (contact, fit) = self.accelerations(k, (round, &answered));
         let left = bin.measured.iter().zip(&contact).zip(&bin.weights);
         let residual: Vec<Complex64> = left.map(|((y, a), w)| (y - a) * w.sqrt()).collect();
         let prior = held.iter().zip(&round.priors).map(|(h, p)| h.norm_sqr() / p[k]);
@@ -105,14 +125,13 @@ impl Whole<'_> {
         let scale = 2.0 / self.record.samples as f64;
         // A bin is known where its variance is less than half of its power, that of the lines included.
         let power = allowed.priors[0][k] + (line * scale).norm_sqr();
-        let exciter = |s: usize| bin.line.acceleration(s, Load::Exciter) * bin.exciter;
         let (forces, outputs) = self.estimate(k, round);
         let other = self.estimate(k, allowed).1;
         Row {
             forces,
             differences: std::array::from_fn(|o| other[o] - outputs[o]),
             outputs,
-            fit: contact.iter().enumerate().map(|(s, a)| a + exciter(s)).collect(),
+            fit,
             own: self.own_variances(k, allowed),
             fit_variances: self.fit_variances(k, allowed),
             led_by_prior: allowed.solved[k].covariance[0].re > 0.5 * power,
@@ -144,10 +163,13 @@ impl Whole<'_> {
         let (bin, solved, columns) = (&self.bins[k], &round.solved[k], self.columns(k, &round.jumps));
         let (size, loads) = (bin.size(), self.loads.len());
         let mut covariance = vec![Complex64::ZERO; size * size];
+        let mut row = vec![Complex64::ZERO; size];
         for (i, (a, x)) in columns.iter().enumerate() {
+            row.fill(Complex64::ZERO);
             for (j, (b, y)) in columns.iter().enumerate() {
-                covariance[a * size + b] += x * y.conj() * round.covariance[(i, j)];
+                row[*b] += y.conj() * round.covariance[(i, j)];
             }
+            covariance[a * size..][..size].iter_mut().zip(&row).for_each(|(sum, r)| *sum += x * r);
         }
         let made = |s: usize, u: usize| bin.line.acceleration(s, self.loads[u]);
         let variance = |s: usize| {
@@ -159,8 +181,10 @@ impl Whole<'_> {
                 vector - (0..loads).map(|u| made(s, u) * solved.taken(u, d)).sum::<Complex64>()
             };
             let moved: Vec<Complex64> = (0..size).map(left).collect();
+            let along =
+                |row: &[Complex64]| -> Complex64 { row.iter().zip(&moved).map(|(c, m)| c * m.conj()).sum() };
             let common: f64 =
-                (0..size * size).map(|e| (moved[e / size] * covariance[e] * moved[e % size].conj()).re).sum();
+                moved.iter().zip(covariance.chunks_exact(size)).map(|(m, row)| (m * along(row)).re).sum();
             let own: f64 = (0..loads * loads)
                 .map(|e| (made(s, e / loads) * solved.covariance[e] * made(s, e % loads).conj()).re)
                 .sum();
@@ -171,16 +195,13 @@ impl Whole<'_> {
 
     /// The common unknowns' errors as independent sources.
     fn common_sources(&self, common: &Common) -> Vec<Spectra> {
-        let sources = 0..common.root.ncols();
-        let along = |s: usize, o: usize| -> Vec<Complex64> {
-            (0..self.bins.len())
-                .map(|k| {
-                    let gains = common.outputs.iter().enumerate();
-                    gains.map(|(i, gain)| gain[o][k] * common.root[(i, s)]).sum()
-                })
-                .collect()
+        let along = |s: usize| {
+            let mut sum: Spectra = std::array::from_fn(|_| vec![Complex64::ZERO; self.bins.len()]);
+            let gains = common.outputs.iter().enumerate();
+            gains.for_each(|(i, gain)| add(&mut sum, gain, common.root[(i, s)]));
+            sum
         };
-        sources.into_par_iter().map(|s| std::array::from_fn(|o| along(s, o))).collect()
+        (0..common.root.ncols()).into_par_iter().map(along).collect()
     }
 
     /// The structure's errors, what the lines have of each put to what the bins have.

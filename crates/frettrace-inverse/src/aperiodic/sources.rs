@@ -143,9 +143,11 @@ impl Slow {
 /// Share of the record's own frequency at which a force is slow.
 const STILL: f64 = 1e-3;
 
-/// Adds outputs.
-pub(super) fn add(to: &mut Outputs, more: &Outputs, share: f64) {
-    to.iter_mut().zip(more).for_each(|(a, b)| *a += b * share);
+/// Adds a share of spectra to spectra.
+pub(super) fn add(to: &mut Spectra, more: &Spectra, share: f64) {
+    for (to, more) in to.iter_mut().zip(more) {
+        to.iter_mut().zip(more).for_each(|(a, b)| *a += b * share);
+    }
 }
 
 /// Root `L` of a covariance, `LLᵀ`; zero where it has none.

@@ -5,7 +5,7 @@
 //! answer as they would to accelerations `φ_n z`.
 
 use super::ends::{Decay, Decays};
-use super::sources::{Common, OUTPUTS, Outputs, Spectra, add};
+use super::sources::{Common, Outputs, Spectra, add};
 use super::{Round, Whole};
 use crate::calibration::generalised_force;
 use crate::contact::COMPLIANCE_DOUBT;
@@ -27,24 +27,27 @@ impl Whole<'_> {
         let decays = self.moved_decays(round);
         let moved: Vec<Vec<Moved>> = (0..self.bins.len())
             .into_par_iter()
-            .map(|k| decays.iter().enumerate().map(|(p, decay)| self.moved((k, p), decay, round)).collect())
+            .map(|k| {
+                let answered = self.forces(k, round).1;
+                let moved = decays.iter().enumerate();
+                moved.map(|(p, decay)| self.moved((k, p), (decay, &answered), round)).collect()
+            })
             .collect();
         let answers = self.answers(&moved, decays.len(), round);
-        let along = |root: &[f64], k: usize| -> Outputs {
-            let mut sum = [Complex64::ZERO; OUTPUTS];
-            for (moved, share) in moved[k].iter().zip(root) {
-                add(&mut sum, &moved.outputs, *share);
-            }
-            for (i, gain) in common.outputs.iter().enumerate() {
-                let share: f64 = answers[i].iter().zip(root).map(|(a, r)| a * r).sum();
-                add(&mut sum, &std::array::from_fn(|o| gain[o][k]), share);
+        let own: Vec<Spectra> = (0..decays.len())
+            .into_par_iter()
+            .map(|p| spectra(moved.iter().map(|bin| bin[p].outputs)))
+            .collect();
+        let along = |root: &Vec<f64>| -> Spectra {
+            let mut sum: Spectra = std::array::from_fn(|_| vec![Complex64::ZERO; self.bins.len()]);
+            own.iter().zip(root).for_each(|(own, share)| add(&mut sum, own, *share));
+            for (gain, answers) in common.outputs.iter().zip(&answers) {
+                add(&mut sum, gain, answers.iter().zip(root).map(|(a, r)| a * r).sum());
             }
             sum
         };
-        let bins = 0..self.bins.len();
-        let mut found: Vec<Spectra> =
-            roots.par_iter().map(|root| spectra(bins.clone().map(|k| along(root, k)))).collect();
-        found.push(spectra(bins.map(|k| self.compliance(k, round))));
+        let mut found: Vec<Spectra> = roots.par_iter().map(along).collect();
+        found.push(spectra((0..self.bins.len()).map(|k| self.compliance(k, round))));
         found
     }
 
@@ -61,12 +64,16 @@ impl Whole<'_> {
             .collect()
     }
 
-    fn moved(&self, (k, parameter): (usize, usize), decay: &Decay, round: &Round) -> Moved {
+    fn moved(
+        &self,
+        (k, parameter): (usize, usize),
+        (decay, answered): (&Decay, &[Complex64]),
+        round: &Round,
+    ) -> Moved {
         let (mode, kind) = (parameter / 2, parameter % 2);
         let (bin, solved, model) = (&self.bins[k], &round.solved[k], &self.setting.structure.model);
         let omega = bin.line.omega();
-        let answered = self.forces(k, round).1;
-        let load = generalised_force(self.setting.dynamics, mode, bin.exciter, self.loads, &answered);
+        let load = generalised_force(self.setting.dynamics, mode, bin.exciter, self.loads, answered);
         let scale = [model.natural_frequency()[mode], model.damping_ratio()[mode]][kind];
         let motion = model.modal_receptance_gradient(mode, omega)[kind] * scale * load;
         let z = motion * (omega * omega) - decay.acceleration[k];

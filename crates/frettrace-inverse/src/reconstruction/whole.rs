@@ -2,12 +2,12 @@
 
 use super::{answered, asks, with_normal_reaction};
 use crate::analysis::bands;
-use crate::aperiodic::{self, Known, Left};
+use crate::aperiodic::{Estimated, Known, Left};
 use crate::calibration::Equations;
 use crate::contact::{RunBalance, Setting};
 use crate::dynamics::Load;
 use crate::{Rig, RunData};
-use frettrace_fourier::{Harmonics, spectrum};
+use frettrace_fourier::spectrum;
 use std::f64::consts::TAU;
 
 /// Balance over the whole spectrum, and the loads it was made with: with the normal reaction free where the residual asks for it.
@@ -22,7 +22,7 @@ pub(super) fn solve(
         let periodic = setting.balance(&equations.with_loads(loads.to_vec()));
         let known = Known::solved(lines, &periodic.contact);
         let left = known.taken_off(run, &lines.noise_std);
-        aperiodic::solve(setting, &left, (&known, equations.share()), loads)
+        Estimated::new(setting, &left, (&known, equations.share()), loads).balance()
     };
     let bound = balance(&equations.loads);
     let more = with_normal_reaction(rig, &equations.loads).filter(|_| asks(bound.residual.reduced()));
@@ -58,11 +58,9 @@ pub(super) fn beside_lines(setting: &Setting<'_>, equations: &Equations<'_>) -> 
     let Some(rest) = equations.lines.rest.as_ref() else { return Beside::Nothing };
     if rest.accelerations.len() > equations.loads.len() {
         let known = Known::default();
-        let found = aperiodic::solve(setting, rest, (&known, equations.share()), &equations.loads);
-        let sampled = |a: &Harmonics| a.sample(rest.rate, rest.force.len());
-        let fitted: Vec<Vec<f64>> = found.contact.acceleration_fit.iter().map(sampled).collect();
-        if bands::is_explained(&rest.excesses(&[]), &rest.excesses(&fitted)) {
-            return Beside::Contact(Box::new(found));
+        let found = Estimated::new(setting, rest, (&known, equations.share()), &equations.loads);
+        if bands::is_explained(&rest.excesses(&[]), &rest.excesses(&found.fitted())) {
+            return Beside::Contact(Box::new(found.balance()));
         }
     }
     let excitation = equations.lines.frequency.base * equations.lines.subharmonic_order as f64;
