@@ -31,8 +31,34 @@ impl Linearised {
 
     /// Damped step over all coordinates and the reduction of χ² that the linear model promises for it.
     ///
-    /// A coordinate that would leave its bounds is held at the bound and the others are solved anew.
+    /// Coordinates that would leave their bounds are held there and the others are solved anew: all at once, and one after the other along the
+    /// way. The first comes far where many are at their bounds; where a valley runs across the box it may promise a growth, which
+    /// the second never does. The step is the one of them that promises more.
     pub(super) fn step(&self, damping: f64) -> (Vec<f64>, f64) {
+        let (at_once, all_inside) = self.held_at_once(damping);
+        let (mut step, mut promised) = self.cut(at_once);
+        if !all_inside {
+            let (other, more) = self.cut(self.held_along_the_way(damping));
+            if more > promised {
+                (step, promised) = (other, more);
+            }
+        }
+        let mut all = vec![0.0; self.count];
+        for (k, j) in self.columns.iter().enumerate() {
+            all[*j] = step[k];
+        }
+        (all, promised)
+    }
+
+    /// The step cut to the longest one that any coordinate may take, and what it promises.
+    fn cut(&self, mut step: DVector<f64>) -> (DVector<f64>, f64) {
+        step *= self.room.iter().zip(step.iter()).map(|(r, s)| r.2 / s.abs()).fold(1.0, f64::min);
+        let promised = self.right.norm_squared() - (&self.triangle * &step + &self.right).norm_squared();
+        (step, promised)
+    }
+
+    /// All coordinates that would leave their bounds held there, until the others stay inside; and whether none had to be.
+    fn held_at_once(&self, damping: f64) -> (DVector<f64>, bool) {
         let mut held = vec![None; self.columns.len()];
         let mut step = DVector::zeros(self.columns.len());
         // Each pass holds at least one more coordinate: at most as many passes as coordinates.
@@ -49,13 +75,29 @@ impl Linearised {
                 break;
             }
         }
-        step *= self.room.iter().zip(step.iter()).map(|(r, s)| r.2 / s.abs()).fold(1.0, f64::min);
-        let promised = self.right.norm_squared() - (&self.triangle * &step + &self.right).norm_squared();
-        let mut all = vec![0.0; self.count];
-        for (k, j) in self.columns.iter().enumerate() {
-            all[*j] = step[k];
+        (step, held.iter().all(Option::is_none))
+    }
+
+    /// From no step towards the best one up to the first bound, and on from there with that coordinate held: no part of the way leads uphill.
+    fn held_along_the_way(&self, damping: f64) -> DVector<f64> {
+        let mut held = vec![None; self.columns.len()];
+        let mut step = DVector::zeros(self.columns.len());
+        for _ in 0..=held.len() {
+            let towards = self.solve(&held, damping) - &step;
+            let share = |k: usize| {
+                let (low, high, _) = self.room[k];
+                let end = if towards[k] < 0.0 { low } else { high };
+                (held[k].is_none() && towards[k] != 0.0).then(|| ((end - step[k]) / towards[k]).max(0.0))
+            };
+            let first = (0..held.len())
+                .filter_map(|k| Some((k, share(k)?)))
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+                .filter(|(_, share)| *share < 1.0);
+            let Some((stopped, share)) = first else { return step + towards };
+            step += towards * share;
+            held[stopped] = Some(step[stopped]);
         }
-        (all, promised)
+        step
     }
 
     /// `min ‖R δ + q‖² + λ‖D δ‖²` over the coordinates that are not held.

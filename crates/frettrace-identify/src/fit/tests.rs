@@ -1,3 +1,4 @@
+use super::step::Linearised;
 use super::{FitSettings, Status, fit, fit_from_many, starts};
 use crate::{
     Identifiability, IdentifiedParameter, IdentifySettings, Model, NoSolution, Parameter, Transform,
@@ -195,6 +196,18 @@ fn bound_holds_and_the_rest_goes_on() {
 
 /// Gaussian noise, nearly linear model: intervals of 95 % hold the truth in 95 % of 400 rigs. The binomial standard
 /// error of each share is √(0.05·0.95/400) = 1.1 %: three of them.
+/// `r = (10 (x + y), x − 20)` from the origin with `x ≤ 10` and `y ≥ 0`: the best step, `(20, −20)`, leaves both bounds, and the corner they make
+/// is uphill, `χ² = 10 100` after 400. With `y` at its bound `101 x = 20`, which takes `20²/101` off.
+#[test]
+fn a_step_that_is_held_at_bounds_never_promises_a_growth() {
+    let jacobian = DMatrix::from_row_slice(2, 2, &[10.0, 10.0, 1.0, 0.0]);
+    let room = vec![(-100.0, 10.0, f64::INFINITY), (0.0, 100.0, f64::INFINITY)];
+    let right = nalgebra::DVector::from_vec(vec![0.0, -20.0]);
+    let (step, promised) = Linearised::new(jacobian, right, (vec![0, 1], 2, room)).step(0.0);
+    assert!((step[0] - 20.0 / 101.0).abs() < 1e-12 && step[1].abs() < 1e-12, "{step:?}");
+    assert!((promised - 400.0 / 101.0).abs() < 1e-9, "{promised}");
+}
+
 #[test]
 fn intervals_cover_what_they_claim() {
     let mut inside = [0; 2];
