@@ -109,6 +109,7 @@ fn gaps(signal: &[f64], others: &[&[f64]], (period, holds): (usize, bool)) -> Ve
         }
     }
     quiet_periods(signal, others, period, &mut lost);
+    quiet_halves(signal, others, period, &mut lost);
     let core = lost.clone();
     for k in (0..n).filter(|&k| core[k]) {
         lost[k.saturating_sub(MARGIN)..(k + MARGIN + 1).min(n)].fill(true);
@@ -146,6 +147,51 @@ fn quiet_periods(signal: &[f64], others: &[&[f64]], period: usize, lost: &mut [b
                 lost[start..start + period].fill(true);
             }
         }
+    }
+}
+
+/// Marks halves of a period in which the signal is gone that is there at the same phase of every other period, while most other channels move
+/// there as they do then. Where a channel that beats alone passes through its quiet and its size grows as `|t|`, the half `T/2` about it
+/// holds `1/(4√3)` = 0.14 of what those one period before and after hold, more than [`GONE`].
+fn quiet_halves(signal: &[f64], others: &[&[f64]], period: usize, lost: &mut [bool]) {
+    let (n, half) = (signal.len(), period / 2);
+    if half < FEWEST || n < 4 * period {
+        return;
+    }
+    let own = Halves::new(signal, half);
+    let beside: Vec<Halves> = others.iter().map(|other| Halves::new(other, half)).collect();
+    for start in 0..=n - half {
+        let same = || (start % period..=n - half).step_by(period).filter(|&other| other != start);
+        let least = |of: &Halves| same().map(|other| of.at(other)).fold(f64::INFINITY, f64::min);
+        if own.at(start) < GONE * least(&own) {
+            let moving = beside.iter().filter(|other| other.at(start) > MOVING * least(other)).count();
+            if 2 * moving >= beside.len() {
+                lost[start..start + half].fill(true);
+            }
+        }
+    }
+}
+
+/// Deviations of a channel in windows of one length, from the sums of its samples and their squares.
+struct Halves {
+    sums: Vec<[f64; 2]>,
+    length: usize,
+}
+
+impl Halves {
+    fn new(signal: &[f64], length: usize) -> Self {
+        let mut sums = vec![[0.0; 2]];
+        sums.extend(signal.iter().scan([0.0; 2], |sum, x| {
+            *sum = [sum[0] + x, sum[1] + x * x];
+            Some(*sum)
+        }));
+        Self { sums, length }
+    }
+
+    fn at(&self, start: usize) -> f64 {
+        let [first, end] = [self.sums[start], self.sums[start + self.length]];
+        let [mean, square] = [0, 1].map(|k| (end[k] - first[k]) / self.length as f64);
+        (square - mean * mean).max(0.0).sqrt()
     }
 }
 
@@ -243,6 +289,23 @@ mod tests {
         assert!(alone[1000..1100].iter().all(|lost| *lost));
         assert!(alone.iter().filter(|lost| **lost).count() <= 100 + 2 * super::MARGIN);
         assert!(gaps(&fallen, &[&other, &other, &going], (50, false)).iter().all(|lost| !lost));
+    }
+
+    /// Forty periods of sixty samples of which the channel reads noise of a hundredth for forty: less than a period, and for twenty: less than half of
+    /// one, which is not looked for.
+    #[test]
+    fn less_than_a_period_is_lost_where_every_other_period_has_it() {
+        let tone = |gone: std::ops::Range<usize>| -> Vec<f64> {
+            let size = |k: usize| if gone.contains(&k) { 0.01 } else { 1.0 };
+            (0..2400).map(|k| size(k) * (std::f64::consts::TAU * k as f64 / 60.0 + 0.3).sin()).collect()
+        };
+        let going = tone(0..0);
+        let lost = gaps(&tone(1000..1040), &[&going, &going], (60, false));
+        assert!(lost[1000..1040].iter().all(|lost| *lost));
+        assert!(lost.iter().filter(|lost| **lost).count() <= 44 + 2 * super::MARGIN);
+        assert!(gaps(&tone(1000..1020), &[&going, &going], (60, false)).iter().all(|lost| !lost));
+        let all = tone(1000..1040);
+        assert!(gaps(&all, &[&all, &all], (60, false)).iter().all(|lost| !lost));
     }
 
     /// Forty periods of fifty samples in which two tones of one size, 1.25 periods apart over the record, beat: the channel is quiet
