@@ -43,7 +43,7 @@ impl Search<'_> {
         let most = if kinked { MOST_REFINED_RIGID } else { MOST_REFINED };
         // What a finer grid may leave is no reason for another one.
         let told = |search: &Self, current: &Explained| {
-            current.complete() || kinked && search.refined > 0 && search.within_method(current)
+            current.complete() || kinked && search.refined > 0 && search.tells_all_it_can(current)
         };
         while !told(self, &current) && near && self.refined < most {
             let finer = if kinked { self.study.refined() } else { self.study.resolved(&current.fitted) };
@@ -101,16 +101,31 @@ impl Search<'_> {
 
     /// Whether what a model with a rigid contact leaves beside the noise is no more than its balance may be wrong by.
     pub(super) fn within_method(&self, model: &Explained) -> bool {
-        model.ratio <= BORNE_OUT && self.by_method(model, &self.study.training)
+        let training = &self.study.training;
+        let slight = model.ratio <= BORNE_OUT || model.ratio <= NEAR && self.is_accurate(model, training);
+        slight && self.by_method(model, training)
+    }
+
+    /// The same of the runs held out too: what a finer grid takes from those is no reason to stay with a coarser one.
+    fn tells_all_it_can(&self, model: &Explained) -> bool {
+        let held_out = &self.study.held_out;
+        let borne_out =
+            || held_out.is_empty() || self.study.error(&model.fitted, held_out).ratio() <= BORNE_OUT;
+        self.within_method(model) && (borne_out() || self.by_method(model, held_out))
     }
 
     /// Whether what a model with a rigid contact leaves in some runs is no more than its balance may be wrong by: its accuracy in all
     /// samples, or, among the deviations of the lines, the error of the phase grid ([`Study::doubt_grid`]).
     pub(super) fn by_method(&self, model: &Explained, runs: &[usize]) -> bool {
+        let accurate = || self.is_accurate(model, runs);
+        model.fitted.setting.rigid && (accurate() || self.study.left_in(&model.fitted, runs).is_noise())
+    }
+
+    /// Whether what a model leaves beside the noise is within the accuracy of a rigid contact's balance.
+    fn is_accurate(&self, model: &Explained, runs: &[usize]) -> bool {
         let error = self.study.error(&model.fitted, runs);
         let excess = excess(error.ratio());
-        let accurate = error.relative() * (excess / (1.0 + excess)).sqrt() <= RIGID_ACCURACY;
-        model.fitted.setting.rigid && (accurate || self.study.left_in(&model.fitted, runs).is_noise())
+        error.relative() * (excess / (1.0 + excess)).sqrt() <= RIGID_ACCURACY
     }
 
     /// Back to the plain grid, where a model on the finer one is not kept.
