@@ -28,6 +28,7 @@ mod study;
 pub mod support;
 mod tangents;
 mod unknown_force;
+mod unsettled;
 mod unshared;
 mod verdict;
 

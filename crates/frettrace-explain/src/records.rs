@@ -1,6 +1,7 @@
 //! Runs as the model needs them: base frequency, lines with their deviations, and what lies beside the lines.
 
 use crate::channels::mean_square;
+use crate::unsettled::drifting;
 use crate::unshared::unshared;
 use crate::{Clipped, Series};
 use frettrace_forward::accelerations::RunLines;
@@ -169,6 +170,9 @@ impl RunRecord {
         let periodic = ratio < BESIDE_LIMIT || beside_share(run, &channels) < BESIDE_SHARE;
         if periodic && ratio >= BESIDE_LIMIT {
             noise.iter_mut().zip(&channels).for_each(|(n, c)| *n = n.max(c.residual_std));
+        } else if periodic {
+            // What has not quite settled is noise to a model of what repeats, however little of it there is.
+            noise.iter_mut().zip(drifting(&channels)).for_each(|(n, more)| *n = n.hypot(more.sqrt()));
         }
         Ok(Self::assemble(run, (channels, force), noise, (subharmonic, periodic, progress)))
     }

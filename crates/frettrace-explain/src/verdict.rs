@@ -31,6 +31,8 @@ const PROXY: f64 = 0.4;
 pub(crate) const SERIES_OPEN: f64 = 0.05;
 /// … and χ² per residual above which, with that, it contradicts the law: what five times the accuracy makes.
 const SERIES_BEYOND: f64 = 25.0;
+/// Half of an interval that holds nineteen of twenty, in deviations.
+const INTERVAL: f64 = 1.96;
 /// Error over noise up to which runs that nothing was fitted to bear out that nothing is missing.
 const BORNE_OUT: f64 = 1.2;
 /// Error over noise of runs held out from which they contradict a model that follows those it was fitted to: what its values are
@@ -367,12 +369,38 @@ impl Search<'_> {
 
     /// The declared model from the law of the one that explains, where that ends far better than it did: it had come to rest in
     /// another valley, and the effect stands in for that.
-    fn rebased(&self, baseline: &Explained, model: &Explained) -> Option<Explained> {
+    fn rebased(&mut self, baseline: &Explained, model: &Explained) -> Option<Explained> {
         if model.effects.len() != 1 {
             return None;
         }
-        let plain = self.study.without(model, 0)?;
+        let plain = self.study.without(model, 0).or_else(|| self.unnamed(model))?;
         (plain.criterion + EVIDENCE < baseline.criterion).then_some(plain)
+    }
+
+    /// A complete model whose only effect is nothing within its deviations is the declared one, though a balance has no answer with the effect taken
+    /// out and all else as it is.
+    fn unnamed(&mut self, model: &Explained) -> Option<Explained> {
+        let mut doubted = model.clone();
+        self.study.doubt_values(&mut doubted);
+        let within = |unknown: &Unknown| {
+            let deviation = doubted.deviation(unknown.quantity);
+            let value = model.fitted.setting.get(unknown.quantity);
+            value.is_some_and(|value| value.abs() <= INTERVAL * deviation)
+        };
+        let own = model.own(0);
+        if !model.complete() || own.is_empty() || !own.iter().all(within) {
+            return None;
+        }
+        self.notes.push(format!(
+            "{}, without which a run had no answer, is nothing within its deviation: the model is the declared one",
+            ALL[model.effects[0]].id()
+        ));
+        let mut plain = model.clone();
+        plain.effects.clear();
+        plain.sensors.clear();
+        plain.counts.clear();
+        plain.added.clear();
+        Some(plain)
     }
 
     /// Without one of its effects where the model is complete without it too, however little that costs: nothing is left above the
