@@ -2,9 +2,10 @@
 
 use crate::Study;
 use crate::contact_fit::{ContactProblem, Contacts, Leeway, Moved, Recovered, mean_force, recover};
-use crate::effects::{ALL, ContactForm, Effect, apply};
+use crate::effects::{ALL, ContactForm, Effect, apply, shaped};
 use crate::law_starts::starts;
 use crate::study::{as_declared, merge};
+use crate::verdict::EVIDENCE;
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::{
     AccelerationError, Beside, FrequencyRatio, Memory, Quantity, Setting,
@@ -23,6 +24,9 @@ pub(crate) use looks::few_of_each;
 const BEGIN: usize = 8;
 /// … the most that any gets.
 const ALL_STEPS: usize = 30;
+
+/// Effects that get the further values of their shape where none meets the contacts.
+const SHAPED: usize = 3;
 
 /// A law on recovered contacts, with what it costs.
 #[derive(Clone)]
@@ -190,6 +194,25 @@ impl Study<'_> {
         })
     }
 
+    /// A candidate with the further values of its effect's shape, from the values it has come to; `None` where these explain nothing.
+    fn contact_shape(
+        &self,
+        recovered: &Contacts,
+        setting: &Setting,
+        from: &ContactCandidate,
+    ) -> Option<ContactCandidate> {
+        let mut begun = from.clone();
+        let brought = shaped(from.effect, &mut begun.law, &from.unknowns, &self.scales);
+        if brought.is_empty() {
+            return None;
+        }
+        let setting = Setting { law: begun.law, modulation: from.modulation, ..setting.clone() };
+        let unknowns = merge(&from.unknowns, &brought);
+        let form = (from.effect, &ContactForm::new(Vec::new()));
+        let found = self.contact_steps(recovered, &setting, &unknowns, form, (Some(&begun), ALL_STEPS))?;
+        (found.criterion + EVIDENCE < from.criterion).then_some(found)
+    }
+
     /// Every effect of the contact on the recovered contacts, best first, one form each; `reduced` is the χ² per residual that the
     /// law of the setting leaves there. The search may begin on softened lines.
     pub(crate) fn contact_candidates(
@@ -220,6 +243,19 @@ impl Study<'_> {
         };
         let mut found: Vec<ContactCandidate> = looked.into_iter().map(|(c, _)| c).chain(again).collect();
         found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        // Where none meets the contacts the nearest may be near with another laboratory's formula.
+        if found.first().is_some_and(|first| !first.meets()) {
+            let mut nearest: Vec<&ContactCandidate> = Vec::new();
+            for candidate in &found {
+                if nearest.len() < SHAPED && nearest.iter().all(|near| near.effect != candidate.effect) {
+                    nearest.push(candidate);
+                }
+            }
+            let shaped = nearest.par_iter().filter_map(|c| self.contact_shape(recovered, setting, c));
+            let shaped: Vec<ContactCandidate> = shaped.collect();
+            found.extend(shaped);
+            found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        }
         let mut best: Vec<ContactCandidate> = Vec::new();
         for candidate in found {
             match best.iter_mut().find(|b| b.effect == candidate.effect) {
