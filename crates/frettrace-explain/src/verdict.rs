@@ -57,9 +57,13 @@ pub(crate) const BALANCE_CLOSED_RUN: f64 = 2.6;
 /// Growth of the worst error that a lift-off seen in runs without a period may bring to the others.
 const LIFTED: f64 = 1.02;
 
-/// What a second support along the beam whose stiffness is nothing may be the cube, or the damping, of.
-const STANDS_IN_FOR: [&str; 3] =
-    ["structure.cubic-stiffness", "structure.quadratic-damping", "structure.modal-damping"];
+/// What a second support along the beam whose stiffness is nothing may be the cube, or the damping, of: near the end, that of the contact too.
+const STANDS_IN_FOR: [&str; 4] = [
+    "structure.cubic-stiffness",
+    "structure.quadratic-damping",
+    "structure.modal-damping",
+    "friction.viscous",
+];
 
 /// A model that another one was preferred to.
 #[derive(Clone, Copy)]
