@@ -39,6 +39,8 @@ pub struct RunRecord {
     pub power: Vec<f64>,
     /// Standard deviation of the noise of each sensor (m/s²).
     pub noise: Vec<f64>,
+    /// Power over that of the stated noise which a motion that has not quite settled has beside its lines, in the worst sensor; it is in `noise`.
+    pub unsettled: f64,
     /// Share of the power in lines above the trusted band, which nothing is compared with.
     pub untrusted: f64,
     /// Mean square of what a fault of each sensor added ((m/s²)²), mended in everything else here.
@@ -167,6 +169,7 @@ impl RunRecord {
             Some(stated) => stated.to_vec(),
             None => own_noise(&channels),
         };
+        let known = noise.clone();
         let periodic = ratio < BESIDE_LIMIT || beside_share(run, &channels) < BESIDE_SHARE;
         if periodic && ratio >= BESIDE_LIMIT {
             noise.iter_mut().zip(&channels).for_each(|(n, c)| *n = n.max(c.residual_std));
@@ -174,7 +177,10 @@ impl RunRecord {
             // What has not quite settled is noise to a model of what repeats, however little of it there is.
             noise.iter_mut().zip(drifting(&channels)).for_each(|(n, more)| *n = n.hypot(more.sqrt()));
         }
-        Ok(Self::assemble(run, (channels, force), noise, (subharmonic, periodic, progress)))
+        let more = noise.iter().zip(&known).map(|(all, noise)| (all / noise).powi(2) - 1.0);
+        let unsettled = more.fold(0.0, f64::max);
+        let record = Self::assemble(run, (channels, force), noise, (subharmonic, periodic, progress));
+        Ok(Self { unsettled, ..record })
     }
 
     /// Takes the weight from sensors that clip, as long as three others are left.
@@ -327,6 +333,7 @@ impl RunRecord {
             subharmonic,
             periodic,
             drowned: Vec::new(),
+            unsettled: 0.0,
             series: None,
             beside,
             untrusted: beyond / power.iter().sum::<f64>().max(f64::MIN_POSITIVE),

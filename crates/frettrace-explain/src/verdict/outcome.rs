@@ -289,6 +289,15 @@ impl Search<'_> {
                 "the beam moves at {frequency} Hz in every run, which no declared force makes: another machine shakes it; that motion is taken out of the runs"
             ));
         }
+        let unsettled: Vec<f64> =
+            self.study.case.records.iter().map(|r| r.unsettled).filter(|u| *u > 0.0).collect();
+        if !unsettled.is_empty() {
+            self.notes.push(format!(
+                "{} runs have not quite settled: what does not repeat in them, up to {:.2} times the power of the noise, counts as noise there",
+                unsettled.len(),
+                unsettled.into_iter().fold(0.0, f64::max)
+            ));
+        }
         let left_out = self.study.case.records.iter().filter(|r| !r.periodic).count();
         if left_out > 0 {
             let entered = self.study.series.len();
