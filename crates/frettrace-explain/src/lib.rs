@@ -41,7 +41,7 @@ pub use fitting::{AccelerationFit, Unknown};
 pub use maps::{MapAxis, ResidualMap, maps};
 pub use receptance::slip_receptance;
 pub use records::{RunRecord, RunSamples};
-pub use saturation::Saturation;
+pub use saturation::{Reading, Saturation};
 pub use search::Explained;
 pub use series_fit::Series;
 pub use shapes::{Shape, shapes};

@@ -37,7 +37,25 @@ impl Case {
     /// # Errors
     /// [`ExplainError::Model`] where the rig cannot be modelled.
     pub fn leave_out_saturated(&mut self) -> Result<(), ExplainError> {
-        let Some((saturation, fault)) = self.saturated()? else { return Ok(()) };
+        if let Some(found) = self.saturated()? {
+            self.leave_out(found);
+        }
+        Ok(())
+    }
+
+    /// The same of a sensor that runs without a period alone show: with it in their balance nothing closes that. Whether its readings are a curve of
+    /// what the others tell.
+    pub fn leave_out_bent(&mut self, sensor: usize, readings: &[Reading<'_>]) -> bool {
+        let heard = readings.iter().map(|reading| Heard::Samples {
+            read: reading.read.to_vec(),
+            told: reading.told.to_vec(),
+            deviation: reading.deviation,
+        });
+        let found = Curve::new(heard.collect()).and_then(|curve| claimed(&curve, sensor));
+        found.map(|found| self.leave_out(found)).is_some()
+    }
+
+    fn leave_out(&mut self, (saturation, fault): (Saturation, ChannelFault)) {
         let sensor = fault.sensor;
         for record in &mut self.records {
             let mut clipped = record.clipped.clone();
@@ -51,7 +69,6 @@ impl Case {
             Some(known) => known.evidence += fault.evidence,
             None => self.faults.push(fault),
         }
-        Ok(())
     }
 
     fn saturated(&self) -> Result<Option<(Saturation, ChannelFault)>, ExplainError> {
@@ -85,6 +102,32 @@ impl Case {
     }
 }
 
+/// A sensor in a run without a period: its samples, those that the others tell of it (m/s²), and the deviation of the difference.
+#[derive(Clone, Copy, Debug)]
+pub struct Reading<'a> {
+    /// What it read, without the mean.
+    pub read: &'a [f64],
+    /// What it should have read.
+    pub told: &'a [f64],
+    /// Standard deviation of a sample of the difference.
+    pub deviation: f64,
+}
+
+/// The best curve of a sensor, where that explains what it read and no gain does.
+fn claimed(curve: &Curve, sensor: usize) -> Option<(Saturation, ChannelFault)> {
+    let (gain, count) = (curve.of_a_gain(), curve.residual_count() as f64);
+    let Best { saturation, chi, limit_deviation } = curve.best()?;
+    let claimed = gain - chi > CLAIM && chi - BALANCE_CLOSED * count < LEFT * (gain - count);
+    let limit = saturation.straight + saturation.reach;
+    let fault = ChannelFault {
+        id: "measurement.clipping",
+        sensor,
+        parameters: vec![("limit".into(), "m/s^2".into(), limit, limit_deviation)],
+        evidence: gain - chi,
+    };
+    claimed.then_some((saturation, fault))
+}
+
 /// χ² per degree of freedom.
 fn reduced(balances: &[Balance]) -> f64 {
     let (chi, freedom) = Balance::chi_squared_of(balances);
@@ -99,17 +142,7 @@ impl Study<'_> {
         // The structure was calibrated with the sensor in it.
         let setting = self.calibrated_beside(setting, Beside::Sensor(sensor));
         let (curve, _) = self.heard(&setting, sensor).filter(|(_, reduced)| *reduced < BALANCE_CLOSED)?;
-        let (gain, count) = (curve.of_a_gain(), curve.residual_count() as f64);
-        let Best { saturation, chi, limit_deviation } = curve.best()?;
-        let claimed = gain - chi > CLAIM && chi - BALANCE_CLOSED * count < LEFT * (gain - count);
-        let limit = saturation.straight + saturation.reach;
-        let fault = ChannelFault {
-            id: "measurement.clipping",
-            sensor,
-            parameters: vec![("limit".into(), "m/s^2".into(), limit, limit_deviation)],
-            evidence: gain - chi,
-        };
-        claimed.then_some((saturation, fault))
+        claimed(&curve, sensor)
     }
 
     /// A sensor against what the others say it should read, and χ² per degree of freedom of their balance.
@@ -120,5 +153,40 @@ impl Study<'_> {
         let heard =
             runs.map(|(&run, balance)| Heard::of(&self.model.runs[run].acceleration[sensor], balance));
         Some((Curve::new(heard.collect::<Option<Vec<_>>>()?)?, reduced(&balances)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Curve, Heard, claimed};
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, Normal};
+
+    /// Two tones without a common period, up to twice the limit 0.9, and what a sensor makes of them, with noise of 1e-3.
+    fn heard(reads: impl Fn(f64) -> f64) -> Curve {
+        let mut generator = rand_pcg::Pcg64::seed_from_u64(3);
+        let noise = Normal::new(0.0, 1e-3).unwrap();
+        let told: Vec<f64> = (0..2000)
+            .map(f64::from)
+            .map(|k| 1.1 * (0.21 * k).sin() + 0.7 * (0.21 * 2.0_f64.sqrt() * k).sin())
+            .collect();
+        let read = told.iter().map(|x| reads(*x) + noise.sample(&mut generator)).collect();
+        Curve::new(vec![Heard::Samples { read, told, deviation: 1e-3 }]).unwrap()
+    }
+
+    #[test]
+    fn a_bent_reading_without_a_period_is_a_saturation() {
+        let (curve, fault) = claimed(&heard(|x| 0.9 * (x / 0.9).tanh()), 4).unwrap();
+        assert_eq!((fault.id, fault.sensor), ("measurement.clipping", 4));
+        for x in [0.2, 0.9, 1.5] {
+            // The family comes within 1e-3 of tanh at twice the limit.
+            assert!((curve.reads(x) - 0.9 * (x / 0.9).tanh()).abs() < 3e-3, "{x}");
+        }
+    }
+
+    #[test]
+    fn a_gain_or_another_signal_is_no_saturation() {
+        assert!(claimed(&heard(|x| 0.9 * x), 0).is_none());
+        assert!(claimed(&heard(|x| x + 0.2 * x * x), 0).is_none());
     }
 }

@@ -3,7 +3,7 @@
 use crate::reconstruct::{FormChoice, ReconstructOptions, reconstruct};
 use crate::{Progress, StudyError};
 use frettrace_beam::{Boundary, UniformBeam};
-use frettrace_explain::{Case, DeclaredModes, RunSamples, Series};
+use frettrace_explain::{Case, DeclaredModes, Reading, RunSamples, Series};
 use frettrace_forward::accelerations::Rig;
 use frettrace_identify::contact::Family;
 use frettrace_inverse::{Form, RunReconstruction};
@@ -41,12 +41,67 @@ pub fn recover_aperiodic(
             }
         }
     }
+    if let Some(better) = without_bent(case, measurement, &found) {
+        found = better;
+    }
     for (record, run) in case.records.iter_mut().zip(&found) {
         if !record.periodic {
             record.series = series(run);
         }
     }
     Ok(found)
+}
+
+/// χ² per degree of freedom from which the balance of a run is open, and up to which it is closed.
+const OPEN_BALANCE: f64 = 2.6;
+const CLOSED_BALANCE: f64 = 1.5;
+/// Factor on the noise of a sensor that is not listened to.
+const DEAF: f64 = 1e4;
+
+/// The same with one sensor not listened to, where the balance of runs without a period is open with it, closed without it and without no other
+/// one, and its readings are a bent curve of what the others tell: that it saturates is then a fault of the case.
+fn without_bent(
+    case: &mut Case,
+    measurement: &Measurement,
+    found: &[RunReconstruction],
+) -> Option<Vec<RunReconstruction>> {
+    let noise = measurement.sensors.noise_std.clone()?;
+    let open: Vec<usize> = (0..found.len()).filter(|&k| !case.records[k].periodic).collect();
+    let worst =
+        |found: &[RunReconstruction]| open.iter().map(|&k| found[k].balance.reduced()).fold(0.0, f64::max);
+    if !broken_off(case).is_empty() || noise.len() <= LEAST_SENSORS || worst(found) <= OPEN_BALANCE {
+        return None;
+    }
+    let deaf = |sensor: usize| {
+        let mut other = measurement.clone();
+        other.sensors.noise_std.iter_mut().for_each(|noise| noise[sensor] *= DEAF);
+        let found =
+            reconstruct(&other, &ReconstructOptions::default(), &Progress::silent()).ok()?.inverse.runs;
+        (worst(&found) <= CLOSED_BALANCE).then_some((sensor, found))
+    };
+    let mut closed: Vec<_> = (0..noise.len()).filter_map(deaf).collect();
+    let (sensor, found) = closed.pop().filter(|_| closed.is_empty())?;
+    let read: Vec<(Vec<f64>, f64)> = open
+        .iter()
+        .map(|&k| {
+            let (samples, fit) =
+                (&measurement.runs[k].acceleration[sensor], &found[k].acceleration_fit[sensor]);
+            let count = samples.len().max(1) as f64;
+            let mean = samples.iter().sum::<f64>() / count;
+            let told = fit.std.iter().map(|std| std * std).sum::<f64>() / count;
+            (samples.iter().map(|y| y - mean).collect(), noise[sensor].hypot(told.sqrt()))
+        })
+        .collect();
+    let readings: Vec<Reading<'_>> = open
+        .iter()
+        .zip(&read)
+        .map(|(&k, (read, deviation))| Reading {
+            read,
+            told: &found[k].acceleration_fit[sensor].values,
+            deviation: *deviation,
+        })
+        .collect();
+    case.leave_out_bent(sensor, &readings).then_some(found)
 }
 
 /// Fewest sensors from which a contact is recovered.

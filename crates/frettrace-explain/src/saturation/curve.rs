@@ -64,7 +64,7 @@ impl Saturation {
 }
 
 /// Samples of one period, on a grid that carries the harmonics a bend makes.
-struct Wave {
+pub(super) struct Wave {
     grid: Grid,
     samples: Vec<f64>,
 }
@@ -87,11 +87,12 @@ impl Wave {
     }
 }
 
-/// A sensor in one run: lines that it read, the wave that the others say it should have, and the deviation of the difference.
-pub(super) struct Heard {
-    read: Vec<Complex64>,
-    wave: Wave,
-    deviation: Vec<f64>,
+/// A sensor in one run: what it read, what the others say it should have, and the deviation of the difference.
+pub(super) enum Heard {
+    /// Lines of a periodic run, and the wave of a period.
+    Lines { read: Vec<Complex64>, wave: Wave, deviation: Vec<f64> },
+    /// Samples of a run without a period.
+    Samples { read: Vec<f64>, told: Vec<f64>, deviation: f64 },
 }
 
 impl Heard {
@@ -101,14 +102,47 @@ impl Heard {
         let without_mean = |h: usize, value: Complex64| if h == 0 { Complex64::ZERO } else { value };
         let lines = read.iter().zip(free).enumerate();
         let lines: Vec<Complex64> = lines.map(|(h, (read, free))| without_mean(h, read - free)).collect();
-        Some(Self { wave: Wave::of(&lines).ok()?, read: read.to_vec(), deviation: deviation.clone() })
+        let (wave, deviation) = (Wave::of(&lines).ok()?, deviation.clone());
+        Some(Self::Lines { wave, read: read.to_vec(), deviation })
     }
 
-    /// Whitened line by line from the first on.
-    fn whitened<'a>(&'a self, lines: &'a [Complex64]) -> impl Iterator<Item = f64> + 'a {
-        let scaled = lines.iter().zip(&self.deviation).skip(1).map(|(line, deviation)| line / deviation);
-        scaled.flat_map(|line| [line.re, line.im])
+    /// What was read, whitened: line by line from the first on, or sample by sample.
+    fn read(&self) -> Vec<f64> {
+        match self {
+            Self::Lines { read, deviation, .. } => whitened(read, deviation),
+            Self::Samples { read, deviation, .. } => read.iter().map(|y| y / deviation).collect(),
+        }
     }
+
+    /// A function of what should have been read, whitened alike.
+    fn told(&self, of: impl Fn(f64) -> f64) -> Vec<f64> {
+        match self {
+            Self::Lines { wave, deviation, .. } => whitened(&wave.lines(of), deviation),
+            Self::Samples { told, deviation, .. } => told.iter().map(|x| of(*x) / deviation).collect(),
+        }
+    }
+
+    /// Number of real residuals.
+    fn count(&self) -> usize {
+        match self {
+            Self::Lines { read, .. } => 2 * read.len().saturating_sub(1),
+            Self::Samples { read, .. } => read.len(),
+        }
+    }
+
+    /// Largest reading (m/s²).
+    fn largest(&self) -> f64 {
+        let peak = |samples: &[f64]| samples.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
+        match self {
+            Self::Lines { read, .. } => Wave::of(read).map_or(0.0, |wave| peak(&wave.samples)),
+            Self::Samples { read, .. } => peak(read),
+        }
+    }
+}
+
+fn whitened(lines: &[Complex64], deviation: &[f64]) -> Vec<f64> {
+    let scaled = lines.iter().zip(deviation).skip(1).map(|(line, deviation)| line / deviation);
+    scaled.flat_map(|line| [line.re, line.im]).collect()
 }
 
 /// A sensor in all fitted runs, as a function of the values of a [`Saturation`].
@@ -130,8 +164,7 @@ pub(super) struct Best {
 impl Curve {
     /// `None` where nothing was read.
     pub(super) fn new(runs: Vec<Heard>) -> Option<Self> {
-        let read = runs.iter().filter_map(|run| Wave::of(&run.read).ok());
-        let largest = read.flat_map(|wave| wave.samples).fold(0.0, |peak: f64, x| peak.max(x.abs()));
+        let largest = runs.iter().map(Heard::largest).fold(0.0, f64::max);
         if largest <= 0.0 {
             return None;
         }
@@ -151,8 +184,7 @@ impl Curve {
     pub(super) fn of_a_gain(&self) -> f64 {
         let (mut cross, mut power, mut read) = (0.0, 0.0, 0.0);
         for run in &self.runs {
-            let straight = run.wave.lines(|x| x);
-            for (x, y) in run.whitened(&straight).zip(run.whitened(&run.read)) {
+            for (x, y) in run.told(|x| x).into_iter().zip(run.read()) {
                 cross += x * y;
                 power += x * x;
                 read += y * y;
@@ -187,7 +219,7 @@ impl Model for Curve {
     }
 
     fn residual_count(&self) -> usize {
-        self.runs.iter().map(|run| 2 * run.read.len().saturating_sub(1)).sum()
+        self.runs.iter().map(Heard::count).sum()
     }
 
     fn memory(&self) {}
@@ -196,8 +228,7 @@ impl Model for Curve {
         let curve = curve(values);
         let mut out = residual.iter_mut();
         for run in &self.runs {
-            let reads = run.wave.lines(|x| curve.reads(x));
-            let pairs = run.whitened(&run.read).zip(run.whitened(&reads));
+            let pairs = run.read().into_iter().zip(run.told(|x| curve.reads(x)));
             out.by_ref().zip(pairs).for_each(|(out, (read, predicted))| *out = read - predicted);
         }
         if residual.iter().all(|r| r.is_finite()) { Ok(()) } else { Err(NoSolution) }
@@ -215,8 +246,7 @@ impl Model for Curve {
         for k in 0..values.len() {
             let mut row = 0;
             for run in &self.runs {
-                let slope = run.wave.lines(|x| curve.slopes(x)[k]);
-                for value in run.whitened(&slope) {
+                for value in run.told(|x| curve.slopes(x)[k]) {
                     jacobian[(row, k)] = -value;
                     row += 1;
                 }
@@ -260,7 +290,7 @@ mod tests {
         let wave = Wave::of(&lines).unwrap();
         let read = wave.lines(of);
         let power: f64 = read.iter().map(Complex64::norm_sqr).sum();
-        let heard = Heard { deviation: vec![NOISE * power.sqrt(); read.len()], wave, read };
+        let heard = Heard::Lines { deviation: vec![NOISE * power.sqrt(); read.len()], wave, read };
         let chi = Curve::new(vec![heard]).unwrap().best().unwrap().chi;
         NOISE * chi.sqrt()
     }
