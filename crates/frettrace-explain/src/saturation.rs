@@ -43,15 +43,11 @@ impl Case {
         Ok(())
     }
 
-    /// The same of a sensor that runs without a period alone show: with it in their balance nothing closes that. Whether its readings are a curve of
-    /// what the others tell.
-    pub fn leave_out_bent(&mut self, sensor: usize, readings: &[Reading<'_>]) -> bool {
-        let heard = readings.iter().map(|reading| Heard::Samples {
-            read: reading.read.to_vec(),
-            told: reading.told.to_vec(),
-            deviation: reading.deviation,
-        });
-        let found = Curve::new(heard.collect()).and_then(|curve| claimed(&curve, sensor));
+    /// The same of a sensor with which the balance of runs without a period is open, and without which it is closed. Whether its readings in them
+    /// are a curve of what the others tell.
+    pub fn leave_out_bent(&mut self, sensor: usize, readings: Vec<Reading>) -> bool {
+        let heard = readings.into_iter().map(Heard::sampled).collect();
+        let found = Curve::new(heard).and_then(|curve| claimed(&curve, sensor));
         found.map(|found| self.leave_out(found)).is_some()
     }
 
@@ -103,12 +99,12 @@ impl Case {
 }
 
 /// A sensor in a run without a period: its samples, those that the others tell of it (m/s²), and the deviation of the difference.
-#[derive(Clone, Copy, Debug)]
-pub struct Reading<'a> {
+#[derive(Clone, Debug)]
+pub struct Reading {
     /// What it read, without the mean.
-    pub read: &'a [f64],
+    pub read: Vec<f64>,
     /// What it should have read.
-    pub told: &'a [f64],
+    pub told: Vec<f64>,
     /// Standard deviation of a sample of the difference.
     pub deviation: f64,
 }
@@ -158,7 +154,7 @@ impl Study<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Curve, Heard, claimed};
+    use super::{Curve, Heard, Reading, claimed};
     use rand::SeedableRng;
     use rand_distr::{Distribution, Normal};
 
@@ -171,7 +167,7 @@ mod tests {
             .map(|k| 1.1 * (0.21 * k).sin() + 0.7 * (0.21 * 2.0_f64.sqrt() * k).sin())
             .collect();
         let read = told.iter().map(|x| reads(*x) + noise.sample(&mut generator)).collect();
-        Curve::new(vec![Heard::Samples { read, told, deviation: 1e-3 }]).unwrap()
+        Curve::new(vec![Heard::sampled(Reading { read, told, deviation: 1e-3 })]).unwrap()
     }
 
     #[test]

@@ -26,10 +26,23 @@ pub fn recover_aperiodic(
     if case.records.iter().all(|record| record.periodic) {
         return Ok(Vec::new());
     }
-    let sound = without_sensors(measurement, &broken_off(case));
+    let mut found = recovered(case, &without_sensors(measurement, &broken_off(case)))?;
+    if let Some(better) = without_bent(case, measurement, &found) {
+        found = better;
+    }
+    for (record, run) in case.records.iter_mut().zip(&found) {
+        if !record.periodic {
+            record.series = series(run);
+        }
+    }
+    Ok(found)
+}
+
+/// All runs of a measurement, those of a case that are not periodic over the whole spectrum.
+fn recovered(case: &Case, measurement: &Measurement) -> Result<Vec<RunReconstruction>, StudyError> {
     let runs = |form: FormChoice| {
         let options = ReconstructOptions { form, ..ReconstructOptions::default() };
-        reconstruct(&sound, &options, &Progress::silent()).map(|found| found.inverse.runs)
+        reconstruct(measurement, &options, &Progress::silent()).map(|found| found.inverse.runs)
     };
     let mut found = runs(FormChoice::Auto)?;
     // What the inverse adds beside its lines is no run of bins.
@@ -39,14 +52,6 @@ pub fn recover_aperiodic(
             if on_lines(run) {
                 *run = whole;
             }
-        }
-    }
-    if let Some(better) = without_bent(case, measurement, &found) {
-        found = better;
-    }
-    for (record, run) in case.records.iter_mut().zip(&found) {
-        if !record.periodic {
-            record.series = series(run);
         }
     }
     Ok(found)
@@ -65,43 +70,34 @@ fn without_bent(
     measurement: &Measurement,
     found: &[RunReconstruction],
 ) -> Option<Vec<RunReconstruction>> {
-    let noise = measurement.sensors.noise_std.clone()?;
-    let open: Vec<usize> = (0..found.len()).filter(|&k| !case.records[k].periodic).collect();
-    let worst =
-        |found: &[RunReconstruction]| open.iter().map(|&k| found[k].balance.reduced()).fold(0.0, f64::max);
+    let noise = measurement.sensors.noise_std.as_ref()?;
+    let aperiodic: Vec<usize> = (0..found.len()).filter(|&k| !case.records[k].periodic).collect();
+    let worst = |found: &[RunReconstruction]| {
+        aperiodic.iter().map(|&k| found[k].balance.reduced()).fold(0.0, f64::max)
+    };
     if !broken_off(case).is_empty() || noise.len() <= LEAST_SENSORS || worst(found) <= OPEN_BALANCE {
         return None;
     }
     let deaf = |sensor: usize| {
         let mut other = measurement.clone();
         other.sensors.noise_std.iter_mut().for_each(|noise| noise[sensor] *= DEAF);
-        let found =
-            reconstruct(&other, &ReconstructOptions::default(), &Progress::silent()).ok()?.inverse.runs;
+        let found = recovered(case, &other).ok()?;
         (worst(&found) <= CLOSED_BALANCE).then_some((sensor, found))
     };
     let mut closed: Vec<_> = (0..noise.len()).filter_map(deaf).collect();
     let (sensor, found) = closed.pop().filter(|_| closed.is_empty())?;
-    let read: Vec<(Vec<f64>, f64)> = open
-        .iter()
-        .map(|&k| {
-            let (samples, fit) =
-                (&measurement.runs[k].acceleration[sensor], &found[k].acceleration_fit[sensor]);
-            let count = samples.len().max(1) as f64;
-            let mean = samples.iter().sum::<f64>() / count;
-            let told = fit.std.iter().map(|std| std * std).sum::<f64>() / count;
-            (samples.iter().map(|y| y - mean).collect(), noise[sensor].hypot(told.sqrt()))
-        })
-        .collect();
-    let readings: Vec<Reading<'_>> = open
-        .iter()
-        .zip(&read)
-        .map(|(&k, (read, deviation))| Reading {
-            read,
-            told: &found[k].acceleration_fit[sensor].values,
-            deviation: *deviation,
-        })
-        .collect();
-    case.leave_out_bent(sensor, &readings).then_some(found)
+    let reading = |&k: &usize| {
+        let (samples, fit) = (&measurement.runs[k].acceleration[sensor], &found[k].acceleration_fit[sensor]);
+        let count = samples.len().max(1) as f64;
+        let mean = samples.iter().sum::<f64>() / count;
+        let variance = fit.std.iter().map(|std| std * std).sum::<f64>() / count;
+        Reading {
+            read: samples.iter().map(|y| y - mean).collect(),
+            told: fit.values.clone(),
+            deviation: noise[sensor].hypot(variance.sqrt()),
+        }
+    };
+    case.leave_out_bent(sensor, aperiodic.iter().map(reading).collect()).then_some(found)
 }
 
 /// Fewest sensors from which a contact is recovered.

@@ -160,13 +160,20 @@ fn quiet_halves(signal: &[f64], others: &[&[f64]], period: usize, lost: &mut [bo
     }
     let own = Halves::new(signal, half);
     let beside: Vec<Halves> = others.iter().map(|other| Halves::new(other, half)).collect();
-    for start in 0..=n - half {
-        let same = || (start % period..=n - half).step_by(period).filter(|&other| other != start);
-        let least = |of: &Halves| same().map(|other| of.at(other)).fold(f64::INFINITY, f64::min);
-        if own.at(start) < GONE * least(&own) {
-            let moving = beside.iter().filter(|other| other.at(start) > MOVING * least(other)).count();
+    for phase in 0..period {
+        let starts = || (phase..=n - half).step_by(period);
+        // Only the quietest window of a phase can be far quieter than all others.
+        let Some(quietest) = starts().min_by(|a, b| own.at(*a).total_cmp(&own.at(*b))) else { continue };
+        let least = |of: &Halves| {
+            starts()
+                .filter(|start| *start != quietest)
+                .map(|start| of.at(start))
+                .fold(f64::INFINITY, f64::min)
+        };
+        if own.at(quietest) < GONE * least(&own) {
+            let moving = beside.iter().filter(|other| other.at(quietest) > MOVING * least(other)).count();
             if 2 * moving >= beside.len() {
-                lost[start..start + half].fill(true);
+                lost[quietest..quietest + half].fill(true);
             }
         }
     }

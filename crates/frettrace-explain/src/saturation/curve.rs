@@ -1,5 +1,6 @@
 //! The curve of a saturation and its fit to what a sensor read.
 
+use super::Reading;
 use crate::deviation::deviations;
 use frettrace_forward::accelerations::Balance;
 use frettrace_fourier::{Grid, GridError};
@@ -64,7 +65,7 @@ impl Saturation {
 }
 
 /// Samples of one period, on a grid that carries the harmonics a bend makes.
-pub(super) struct Wave {
+struct Wave {
     grid: Grid,
     samples: Vec<f64>,
 }
@@ -87,12 +88,20 @@ impl Wave {
     }
 }
 
-/// A sensor in one run: what it read, what the others say it should have, and the deviation of the difference.
-pub(super) enum Heard {
-    /// Lines of a periodic run, and the wave of a period.
-    Lines { read: Vec<Complex64>, wave: Wave, deviation: Vec<f64> },
+/// A sensor in one run: what it read, whitened line by line from the first on or sample by sample, and what the others say it should have.
+pub(super) struct Heard {
+    read: Vec<f64>,
+    /// Largest reading (m/s²).
+    largest: f64,
+    told: Told,
+}
+
+/// What a sensor should have read, and the deviation of the difference.
+enum Told {
+    /// The wave of a period, compared on its lines.
+    Lines { wave: Wave, deviation: Vec<f64> },
     /// Samples of a run without a period.
-    Samples { read: Vec<f64>, told: Vec<f64>, deviation: f64 },
+    Samples { samples: Vec<f64>, deviation: f64 },
 }
 
 impl Heard {
@@ -102,42 +111,33 @@ impl Heard {
         let without_mean = |h: usize, value: Complex64| if h == 0 { Complex64::ZERO } else { value };
         let lines = read.iter().zip(free).enumerate();
         let lines: Vec<Complex64> = lines.map(|(h, (read, free))| without_mean(h, read - free)).collect();
-        let (wave, deviation) = (Wave::of(&lines).ok()?, deviation.clone());
-        Some(Self::Lines { wave, read: read.to_vec(), deviation })
+        Some(Self::on_lines(read, Wave::of(&lines).ok()?, deviation.clone()))
     }
 
-    /// What was read, whitened: line by line from the first on, or sample by sample.
-    fn read(&self) -> Vec<f64> {
-        match self {
-            Self::Lines { read, deviation, .. } => whitened(read, deviation),
-            Self::Samples { read, deviation, .. } => read.iter().map(|y| y / deviation).collect(),
-        }
+    fn on_lines(read: &[Complex64], wave: Wave, deviation: Vec<f64>) -> Self {
+        let largest = Wave::of(read).map_or(0.0, |wave| peak(&wave.samples));
+        Self { read: whitened(read, &deviation), largest, told: Told::Lines { wave, deviation } }
     }
 
-    /// A function of what should have been read, whitened alike.
+    /// From the samples of a run without a period.
+    pub(super) fn sampled(reading: Reading) -> Self {
+        let Reading { read, told: samples, deviation } = reading;
+        let largest = peak(&read);
+        let read = read.into_iter().map(|y| y / deviation).collect();
+        Self { read, largest, told: Told::Samples { samples, deviation } }
+    }
+
+    /// A function of what should have been read, whitened as the readings are.
     fn told(&self, of: impl Fn(f64) -> f64) -> Vec<f64> {
-        match self {
-            Self::Lines { wave, deviation, .. } => whitened(&wave.lines(of), deviation),
-            Self::Samples { told, deviation, .. } => told.iter().map(|x| of(*x) / deviation).collect(),
+        match &self.told {
+            Told::Lines { wave, deviation } => whitened(&wave.lines(of), deviation),
+            Told::Samples { samples, deviation } => samples.iter().map(|x| of(*x) / deviation).collect(),
         }
     }
+}
 
-    /// Number of real residuals.
-    fn count(&self) -> usize {
-        match self {
-            Self::Lines { read, .. } => 2 * read.len().saturating_sub(1),
-            Self::Samples { read, .. } => read.len(),
-        }
-    }
-
-    /// Largest reading (m/s²).
-    fn largest(&self) -> f64 {
-        let peak = |samples: &[f64]| samples.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
-        match self {
-            Self::Lines { read, .. } => Wave::of(read).map_or(0.0, |wave| peak(&wave.samples)),
-            Self::Samples { read, .. } => peak(read),
-        }
-    }
+fn peak(samples: &[f64]) -> f64 {
+    samples.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()))
 }
 
 fn whitened(lines: &[Complex64], deviation: &[f64]) -> Vec<f64> {
@@ -164,7 +164,7 @@ pub(super) struct Best {
 impl Curve {
     /// `None` where nothing was read.
     pub(super) fn new(runs: Vec<Heard>) -> Option<Self> {
-        let largest = runs.iter().map(Heard::largest).fold(0.0, f64::max);
+        let largest = runs.iter().map(|run| run.largest).fold(0.0, f64::max);
         if largest <= 0.0 {
             return None;
         }
@@ -184,7 +184,7 @@ impl Curve {
     pub(super) fn of_a_gain(&self) -> f64 {
         let (mut cross, mut power, mut read) = (0.0, 0.0, 0.0);
         for run in &self.runs {
-            for (x, y) in run.told(|x| x).into_iter().zip(run.read()) {
+            for (x, y) in run.told(|x| x).into_iter().zip(&run.read) {
                 cross += x * y;
                 power += x * x;
                 read += y * y;
@@ -219,7 +219,7 @@ impl Model for Curve {
     }
 
     fn residual_count(&self) -> usize {
-        self.runs.iter().map(Heard::count).sum()
+        self.runs.iter().map(|run| run.read.len()).sum()
     }
 
     fn memory(&self) {}
@@ -228,7 +228,7 @@ impl Model for Curve {
         let curve = curve(values);
         let mut out = residual.iter_mut();
         for run in &self.runs {
-            let pairs = run.read().into_iter().zip(run.told(|x| curve.reads(x)));
+            let pairs = run.read.iter().zip(run.told(|x| curve.reads(x)));
             out.by_ref().zip(pairs).for_each(|(out, (read, predicted))| *out = read - predicted);
         }
         if residual.iter().all(|r| r.is_finite()) { Ok(()) } else { Err(NoSolution) }
@@ -290,7 +290,8 @@ mod tests {
         let wave = Wave::of(&lines).unwrap();
         let read = wave.lines(of);
         let power: f64 = read.iter().map(Complex64::norm_sqr).sum();
-        let heard = Heard::Lines { deviation: vec![NOISE * power.sqrt(); read.len()], wave, read };
+        let deviation = vec![NOISE * power.sqrt(); read.len()];
+        let heard = Heard::on_lines(&read, wave, deviation);
         let chi = Curve::new(vec![heard]).unwrap().best().unwrap().chi;
         NOISE * chi.sqrt()
     }
