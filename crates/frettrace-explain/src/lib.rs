@@ -48,4 +48,4 @@ pub use shapes::{Shape, shapes};
 pub use split::Split;
 pub use start::histories;
 pub use study::{ExplainError, Fitted, RunError, Study, soften};
-pub use verdict::{Named, Outcome, Place, Tried, Verdict, explain};
+pub use verdict::{BALANCE_CLOSED_RUN, Named, Outcome, Place, Tried, Verdict, explain};

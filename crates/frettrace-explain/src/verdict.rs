@@ -7,6 +7,7 @@ use crate::study::as_declared;
 use crate::{ExplainError, RunError, Study, Unknown};
 use frettrace_forward::accelerations::Setting;
 use frettrace_friction::effects::ModifiedLaw;
+use frettrace_identify::HALF_INTERVAL95;
 
 mod asked_again;
 mod baseline;
@@ -31,8 +32,6 @@ const PROXY: f64 = 0.4;
 pub(crate) const SERIES_OPEN: f64 = 0.05;
 /// … and χ² per residual above which, with that, it contradicts the law: what five times the accuracy makes.
 const SERIES_BEYOND: f64 = 25.0;
-/// Half of an interval that holds nineteen of twenty, in deviations.
-const INTERVAL: f64 = 1.96;
 /// Error over noise up to which runs that nothing was fitted to bear out that nothing is missing.
 const BORNE_OUT: f64 = 1.2;
 /// Error over noise of runs held out from which they contradict a model that follows those it was fitted to: what its values are
@@ -47,12 +46,12 @@ pub(crate) const HELD_OUT_SHARE: f64 = 0.5;
 /// The structure is calibrated on the balance above this χ² per degree of freedom: with the thousand degrees of freedom of
 /// a set, two standard deviations.
 pub(crate) const BALANCE_CALIBRATED: f64 = 1.1;
-/// The balance of all training runs is closed below this χ² per degree of freedom …
+/// The balance of all training runs is closed below this χ² per degree of freedom, that of each below [`BALANCE_CLOSED_RUN`], …
 pub(crate) const BALANCE_CLOSED: f64 = 1.6;
-/// … wide open above this, where a law would only be bent to what is missing, …
+/// … and wide open above this, where a law would only be bent to what is missing.
 const BALANCE_WIDE: f64 = 100.0;
-/// … and closed below this in each of them.
-pub(crate) const BALANCE_CLOSED_RUN: f64 = 2.6;
+/// χ² per degree of freedom below which the balance of one run is closed.
+pub const BALANCE_CLOSED_RUN: f64 = 2.6;
 
 /// Growth of the worst error that a lift-off seen in runs without a period may bring to the others.
 const LIFTED: f64 = 1.02;
@@ -389,7 +388,7 @@ impl Search<'_> {
         let within = |unknown: &Unknown| {
             let deviation = doubted.deviation(unknown.quantity);
             let value = model.fitted.setting.get(unknown.quantity);
-            value.is_some_and(|value| value.abs() <= INTERVAL * deviation)
+            value.is_some_and(|value| value.abs() <= HALF_INTERVAL95 * deviation)
         };
         let own = model.own(0);
         if !model.complete() || own.is_empty() || !own.iter().all(within) {

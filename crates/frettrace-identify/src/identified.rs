@@ -2,6 +2,9 @@ use crate::fit::{Fit, FitSettings, Status, stacked};
 use crate::{Identifiability, IdentifiedParameter, IdentifyError, Model, NoSolution, Parameter, profile};
 use nalgebra::DMatrix;
 
+/// Half of a 95 % interval of a normal quantity, in its standard deviations.
+pub const HALF_INTERVAL95: f64 = 1.96;
+
 /// How a fit is judged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IdentifySettings {
@@ -143,7 +146,7 @@ impl Identified {
             unit: a.unit.clone(),
             value,
             std,
-            interval95: std.map(|s| (value - 1.96 * s, value + 1.96 * s)),
+            interval95: std.map(|s| (value - HALF_INTERVAL95 * s, value + HALF_INTERVAL95 * s)),
             identifiability: unknown.map_or(Identifiability::Identifiable, |p| p.identifiability.clone()),
         };
         if let Some((low, high)) =

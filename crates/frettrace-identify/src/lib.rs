@@ -20,7 +20,7 @@ pub use error::IdentifyError;
 pub use fit::{Fit, FitSettings, ManyFits, Status, fit, fit_from_many, fit_with_memory, starts};
 pub use groups::{GroupTest, Grouping, test_groups};
 pub use identifiability::{Identifiability, IdentifiedParameter};
-pub use identified::{Identified, IdentifySettings, ResidualStatistics, identify};
+pub use identified::{HALF_INTERVAL95, Identified, IdentifySettings, ResidualStatistics, identify};
 pub use model::{Model, NoSolution};
 pub use parameter::{Parameter, Prior, Transform};
 pub use systematic::{correct_by, widen_by_groups, widen_by_held, widen_to_accuracy};

@@ -3,7 +3,7 @@
 use crate::reconstruct::{FormChoice, ReconstructOptions, reconstruct};
 use crate::{Progress, StudyError};
 use frettrace_beam::{Boundary, UniformBeam};
-use frettrace_explain::{Case, DeclaredModes, Reading, RunSamples, Series};
+use frettrace_explain::{BALANCE_CLOSED_RUN, Case, DeclaredModes, Reading, RunSamples, Series};
 use frettrace_forward::accelerations::Rig;
 use frettrace_identify::contact::Family;
 use frettrace_inverse::{Form, RunReconstruction};
@@ -57,8 +57,7 @@ fn recovered(case: &Case, measurement: &Measurement) -> Result<Vec<RunReconstruc
     Ok(found)
 }
 
-/// χ² per degree of freedom from which the balance of a run is open, and up to which it is closed.
-const OPEN_BALANCE: f64 = 2.6;
+/// χ² per degree of freedom up to which the balance of a run that was open is closed.
 const CLOSED_BALANCE: f64 = 1.5;
 /// Factor on the noise of a sensor that is not listened to.
 const DEAF: f64 = 1e4;
@@ -75,7 +74,7 @@ fn without_bent(
     let worst = |found: &[RunReconstruction]| {
         aperiodic.iter().map(|&k| found[k].balance.reduced()).fold(0.0, f64::max)
     };
-    if !broken_off(case).is_empty() || noise.len() <= LEAST_SENSORS || worst(found) <= OPEN_BALANCE {
+    if !broken_off(case).is_empty() || noise.len() <= LEAST_SENSORS || worst(found) <= BALANCE_CLOSED_RUN {
         return None;
     }
     let deaf = |sensor: usize| {

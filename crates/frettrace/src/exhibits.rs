@@ -4,8 +4,9 @@ use crate::report::spectra::{self, Channel, Residual};
 use crate::results::{
     ChannelSpectrum, ContactCurve, ContactLoop, Exhibits, ResidualMap, ResidualShape, Waveform,
 };
+use frettrace_explain::aperiodic::WholeExhibit;
 use frettrace_explain::{Exhibit, Loop, Shape, maps, shapes};
-use frettrace_measurement::Measurement;
+use frettrace_measurement::{Measurement, Run};
 
 /// Most runs whose spectra are shown.
 pub(crate) const SPECTRA: usize = 4;
@@ -14,8 +15,12 @@ pub(crate) const SPECTRA: usize = 4;
 #[must_use]
 pub fn exhibits(measurement: &Measurement, shown: &[Exhibit], held_out: &[usize]) -> Exhibits {
     let unseen = || shown.iter().filter(|exhibit| held_out.contains(&exhibit.run));
+    let looped = |exhibit: &Exhibit| {
+        let sides = (&exhibit.recovered, &exhibit.modelled);
+        contact_loop(&measurement.runs[exhibit.run], held_out.contains(&exhibit.run), sides)
+    };
     Exhibits {
-        loops: shown.iter().map(|exhibit| contact_loop(measurement, exhibit, held_out)).collect(),
+        loops: shown.iter().map(looped).collect(),
         waveforms: unseen().map(|exhibit| waveform(measurement, exhibit)).collect(),
         spectra: unseen().take(SPECTRA).map(|exhibit| spectrum(measurement, exhibit)).collect(),
         residual: shapes(shown).into_iter().map(shape).collect(),
@@ -23,15 +28,47 @@ pub fn exhibits(measurement: &Measurement, shown: &[Exhibit], held_out: &[usize]
     }
 }
 
-fn contact_loop(measurement: &Measurement, exhibit: &Exhibit, held_out: &[usize]) -> ContactLoop {
+/// Loops of runs without a period, each the cycle of its largest slip, and the force of the held-out ones in time.
+#[must_use]
+pub fn whole_exhibits(measurement: &Measurement, shown: &[WholeExhibit]) -> Exhibits {
+    let unseen = shown.iter().filter(|exhibit| exhibit.held_out);
+    let looped = |exhibit: &WholeExhibit| {
+        contact_loop(
+            &measurement.runs[exhibit.run],
+            exhibit.held_out,
+            (&exhibit.recovered, &exhibit.modelled),
+        )
+    };
+    Exhibits {
+        loops: shown.iter().map(looped).collect(),
+        waveforms: unseen.map(|exhibit| whole_force(measurement, exhibit)).collect(),
+        ..Exhibits::default()
+    }
+}
+
+fn whole_force(measurement: &Measurement, exhibit: &WholeExhibit) -> Waveform {
     let run = &measurement.runs[exhibit.run];
-    let [before, after] = &exhibit.modelled;
+    let [before, after] = exhibit.modelled.each_ref().map(|of| rounded(&of.force));
+    Waveform {
+        run: run.id.clone(),
+        label: run.label.clone(),
+        held_out: true,
+        channel: "force [N]".to_owned(),
+        time: rounded(&exhibit.time),
+        measured: rounded(&exhibit.recovered.force),
+        before,
+        after,
+    }
+}
+
+/// A run's loop, recovered and under both models.
+fn contact_loop(run: &Run, held_out: bool, (recovered, [before, after]): (&Loop, &[Loop; 2])) -> ContactLoop {
     ContactLoop {
         run: run.id.clone(),
         label: run.label.clone(),
-        held_out: held_out.contains(&exhibit.run),
+        held_out,
         slip_unit: "m".into(),
-        measured: curve(&exhibit.recovered),
+        measured: curve(recovered),
         before: curve(before),
         after: curve(after),
     }

@@ -10,6 +10,7 @@ use crate::results::{
 use crate::{Progress, StudyError, case};
 use frettrace_explain::{Explained, Named, Outcome, RunError, Tried};
 use frettrace_forward::accelerations::Quantity;
+use frettrace_identify::HALF_INTERVAL95;
 use frettrace_measurement::{MeasuredModes, Measurement, Recording};
 use std::collections::BTreeMap;
 
@@ -215,7 +216,7 @@ fn estimates(values: &[(String, String, f64, f64)]) -> BTreeMap<String, Estimate
 
 fn estimate(value: f64, std: f64, unit: &str) -> Estimate {
     let known = std.is_finite();
-    let reach = if known { 1.96 * std } else { f64::INFINITY };
+    let reach = if known { HALF_INTERVAL95 * std } else { f64::INFINITY };
     Estimate {
         value,
         std: if known { std } else { f64::INFINITY },

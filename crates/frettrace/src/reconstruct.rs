@@ -4,6 +4,7 @@ use crate::results::{Estimate, ModeEstimate, Structure};
 use crate::{Progress, StudyError};
 use frettrace_beam::{Boundary, ModalModel, ModalOptions, UniformBeam};
 use frettrace_fourier::Harmonics;
+use frettrace_identify::HALF_INTERVAL95;
 use frettrace_inverse::{
     CalibratedStructure, Channel, Finding, Form, ModeTrust, Options, Rig, RunData, RunReconstruction, Sensor,
     Slip,
@@ -283,7 +284,7 @@ fn structure(calibrated: &CalibratedStructure) -> Structure {
 
 /// An estimate whose logarithm is normal with the given standard deviation.
 fn normal_estimate(value: f64, relative_std: f64, unit: &str) -> Estimate {
-    let factor = (1.96 * relative_std).exp();
+    let factor = (HALF_INTERVAL95 * relative_std).exp();
     Estimate {
         value,
         std: value * relative_std,

@@ -4,6 +4,7 @@ mod marched;
 pub use marched::Motion;
 
 use crate::case::{Case, Outcome, Row};
+use frettrace_identify::HALF_INTERVAL95;
 use frettrace_inverse::{Channel, Form, Options, reconstruct};
 use marched::Draw;
 use rayon::prelude::*;
@@ -132,7 +133,7 @@ fn error(found: &Channel, truth: &[f64]) -> f64 {
 fn inside(found: &Channel, truth: &[f64]) -> f64 {
     let offset = mean(found.values.iter().zip(truth).map(|(a, b)| a - b));
     let hits = found.values.iter().zip(truth).zip(&found.std);
-    let count = hits.filter(|((a, b), std)| (*a - *b - offset).abs() <= 1.96 * **std).count();
+    let count = hits.filter(|((a, b), std)| (*a - *b - offset).abs() <= HALF_INTERVAL95 * **std).count();
     count as f64 / truth.len() as f64
 }
 

@@ -15,6 +15,7 @@ use frettrace::identify::{IdentifyOptions, identify};
 use frettrace::reconstruct::{ReconstructOptions, reconstruct};
 use frettrace::rig::parameter_key;
 use frettrace_friction::Law;
+use frettrace_identify::HALF_INTERVAL95;
 use frettrace_measurement::{Measurement, Recording};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -55,7 +56,7 @@ impl CoveredParameter {
     /// Whether the interval of 95 % holds the truth.
     #[must_use]
     pub fn is_inside(&self) -> bool {
-        self.deviation.abs() <= BAND
+        self.deviation.abs() <= HALF_INTERVAL95
     }
 }
 
@@ -65,8 +66,6 @@ impl Finished for Covered {
     }
 }
 
-/// Standard deviations on either side of a 95 % band.
-const BAND: f64 = 1.96;
 /// Relative standard deviation of the gains of the sensors, one draw a sensor for all runs, and of the declared preload, one draw for all.
 const CALIBRATION: f64 = 5e-4;
 
@@ -123,7 +122,7 @@ fn histories(made: &Made, covered: &mut Covered) -> anyhow::Result<()> {
             inside += difference
                 .iter()
                 .zip(&estimate.std)
-                .filter(|(d, s)| (**d - mean).abs() <= BAND * **s)
+                .filter(|(d, s)| (**d - mean).abs() <= HALF_INTERVAL95 * **s)
                 .count();
             count += difference.len();
         }
@@ -167,7 +166,7 @@ fn parameters(made: &Made, seed: u64, covered: &mut Covered) -> anyhow::Result<(
             covered.parameters.push(CoveredParameter {
                 name: format!("{} {}", found.law, parameter.name),
                 error: away.abs() / truth.abs().max(f64::MIN_POSITIVE),
-                deviation: BAND * away / half,
+                deviation: HALF_INTERVAL95 * away / half,
             });
         }
     }

@@ -9,6 +9,7 @@
 //!    it, and runs that nothing was fitted to decide (`search.rs`).
 
 mod balance;
+mod exhibit;
 mod motion;
 mod problem;
 mod run;
@@ -18,6 +19,7 @@ mod tests;
 mod tone;
 mod wave;
 
+pub use exhibit::WholeExhibit;
 pub use motion::{Motion, WholeRun};
 pub use tone::{BaseTone, ToneMotion, base_tone};
 
@@ -66,6 +68,8 @@ pub struct WholeOutcome {
     pub error_of: ErrorOf,
     /// Indices of the training and of the held-out runs.
     pub runs: [Vec<usize>; 2],
+    /// What is drawn of each run that a law was asked of.
+    pub exhibits: Vec<WholeExhibit>,
     /// What a reader must know.
     pub notes: Vec<String>,
 }
@@ -257,6 +261,7 @@ fn open(case: &Case, found: balance::Open, recovered: &[(usize, &WholeRun)]) -> 
         error_of: ErrorOf::Accelerations,
         held_out: None,
         runs: [recovered.iter().map(|run| run.0).collect(), Vec::new()],
+        exhibits: Vec::new(),
         notes: vec![found.note],
     }
 }
@@ -301,8 +306,29 @@ fn outcome(mut search: Search<'_>, (baseline, model): (Fitted, Fitted)) -> Whole
         error_of: ErrorOf::Force,
         held_out: (!search.held_out.is_empty()).then(|| [held[0], held[after]]),
         runs: [&search.training, &search.held_out].map(|runs| runs.iter().map(|run| run.index).collect()),
+        exhibits: exhibits(&search, [(&baseline, &judged[0]), (&model, &judged[after])]),
         notes: search.notes,
     }
+}
+
+/// Exhibits of all runs under two laws; a held-out run that either gave no answer to has none.
+fn exhibits(search: &Search<'_>, [before, after]: [(&Fitted, &Vec<Judged>); 2]) -> Vec<WholeExhibit> {
+    let [first, second] = [before, after].map(|(fitted, _)| search.with_waves(&fitted.waves));
+    let training = (0..first.len()).map(|k| {
+        let sides = [(&first[k], before.0), (&second[k], after.0)];
+        exhibit::exhibit(false, sides.map(|(run, fitted)| (run, &fitted.law, &fitted.open[k].xi)))
+    });
+    let held_out = before.1.iter().filter_map(|first| {
+        let second = after.1.iter().find(|second| second.run.index == first.run.index)?;
+        let sides = [(first, before.0), (second, after.0)];
+        Some(exhibit::exhibit(
+            true,
+            sides.map(|(judged, fitted)| (&judged.run, &fitted.law, &judged.open.xi)),
+        ))
+    });
+    let mut all: Vec<WholeExhibit> = training.chain(held_out).collect();
+    all.sort_by_key(|exhibit| exhibit.run);
+    all
 }
 
 fn sum(squares: impl Iterator<Item = [f64; 3]>) -> RunError {

@@ -1,6 +1,7 @@
 //! Records made of a law along a motion of two incommensurable tones, marched in other steps than those of the search.
 
 use super::balance::{frequencies_apart, is_shared, stretched};
+use super::exhibit::exhibit;
 use super::motion::{Motion, WholeRun};
 use super::problem::OpenProblem;
 use super::run::{Open, OpenRun, Wave};
@@ -264,4 +265,28 @@ fn another_clock_is_told_by_its_frequency() {
     // Slopes from neighbours h = 2π/71 of a period apart err by h³/6, the cubic between by a tenth of that; beyond the ends samples are held.
     let inner = read.iter().zip(&expected).skip(2).take(SAMPLES - 6);
     assert!(inner.into_iter().all(|(a, b)| (a - b).abs() < 3e-5));
+}
+
+/// The law that made the record answers with the recovered force, to the accuracy of two steps a sample, and takes the energy that was recovered; half its
+/// friction takes about half of it. The recovered force that is drawn is the one of the record, its mean removed.
+#[test]
+fn what_is_drawn_is_the_recovered_cycle_and_what_both_laws_make_of_it() {
+    let law = dahl();
+    let half = ModifiedLaw::dahl(4e4, 0.15);
+    let given = force(&law, 0.0, Wave::default());
+    let run = recovered(given.clone()).refined(2);
+    let still = DVector::zeros(2);
+    let drawn = exhibit(true, [(&run, &half, &still), (&run, &law, &still)]);
+    let first = (drawn.time[0] * RATE).round() as usize;
+    assert!(first >= SAMPLES / 10 && drawn.time.len() > 20, "{:?}", drawn.time);
+    let part = &given[first..first + drawn.time.len()];
+    let mean = part.iter().sum::<f64>() / part.len() as f64;
+    assert!(part.iter().zip(&drawn.recovered.force).all(|(f, shown)| (f - mean - shown).abs() < 1e-9));
+    let size = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let left =
+        |of: &[f64]| -> Vec<f64> { of.iter().zip(&drawn.recovered.force).map(|(a, b)| a - b).collect() };
+    let errors = drawn.modelled.each_ref().map(|of| size(&left(&of.force)) / size(&drawn.recovered.force));
+    assert!(errors[0] > 0.3 && errors[1] < 0.02, "{errors:?}");
+    let taken = drawn.modelled.each_ref().map(|of| of.energy / drawn.recovered.energy);
+    assert!((0.4..0.7).contains(&taken[0]) && (taken[1] - 1.0).abs() < 0.02, "{taken:?}");
 }

@@ -263,8 +263,7 @@ impl Search<'_> {
         let left = |sensor: usize| self.study.left_at(&model.fitted, sensor);
         let misread = sensors.into_iter().find(|&sensor| stays_with_sensor(left(sensor)));
         if let Some(sensor) = misread {
-            self.notes
-                .push(format!("sensor {} is still read wrong beyond the noise, and no other is", sensor + 1));
+            self.notes.push(format!("sensor {sensor} is still read wrong beyond the noise, and no other is"));
         }
         misread.is_some()
     }

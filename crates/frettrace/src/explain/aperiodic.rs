@@ -1,6 +1,7 @@
 //! Files of which no run is periodic, or next to none: the contact recovered over the whole spectrum is judged.
 
 use super::{ExplainOptions, Found, estimates, summary};
+use crate::exhibits::whole_exhibits;
 use crate::reconstruct::{FormChoice, ReconstructOptions, reconstruct};
 use crate::results::{ErrorSummary, Explanation, Identification, NoiseFloorSource};
 use crate::{Progress, StudyError, case};
@@ -161,7 +162,10 @@ fn explanation(measurement: &Measurement, options: &ExplainOptions, outcome: &Wh
         ErrorOf::Force => of_force,
         ErrorOf::Accelerations => summary,
     };
-    found.explanation((measurement, options), summary, outcome.laws.each_ref().map(side))
+    Explanation {
+        exhibits: whole_exhibits(measurement, &outcome.exhibits),
+        ..found.explanation((measurement, options), summary, outcome.laws.each_ref().map(side))
+    }
 }
 
 fn of_force(error: &RunError, source: NoiseFloorSource) -> ErrorSummary {

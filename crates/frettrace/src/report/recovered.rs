@@ -6,12 +6,11 @@ use super::residuals;
 use super::signals::{PERIODS, sensor_name, thin};
 use crate::StudyError;
 use crate::results::ResidualMap;
+use frettrace_identify::HALF_INTERVAL95;
 use frettrace_measurement::{Attribute, DataFile, Measurement};
 
 /// Cells of a period in a map.
 const CELLS: usize = 40;
-/// Half of a 95 % interval in standard deviations.
-const REACH: f64 = 1.96;
 
 /// Figures of a reconstruction, run by run; a run that could not be solved has none.
 ///
@@ -108,7 +107,7 @@ impl Recovered {
         let (time, normal) = (self.few(&self.time), self.few(&self.normal));
         let std = self.few(&self.friction_std);
         let edge = |side: f64| -> Vec<f64> {
-            friction.iter().zip(&std).map(|(force, std)| force + side * REACH * std).collect()
+            friction.iter().zip(&std).map(|(force, std)| force + side * HALF_INTERVAL95 * std).collect()
         };
         let (low, high) = (edge(-1.0), edge(1.0));
         let forces = vec![

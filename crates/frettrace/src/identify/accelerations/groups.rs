@@ -119,7 +119,7 @@ fn beyond(test: &GroupTest, shared: &IdentifiedParameter) -> bool {
 #[cfg(test)]
 mod tests {
     use super::{beyond, condition};
-    use frettrace_identify::{GroupTest, Identifiability, IdentifiedParameter};
+    use frettrace_identify::{GroupTest, HALF_INTERVAL95, Identifiability, IdentifiedParameter};
 
     /// Values 1 % apart under an interval of ±2 % and of ±0.5 %; without an interval nothing speaks against them.
     #[test]
@@ -129,7 +129,7 @@ mod tests {
             name: "sigma0".to_owned(),
             unit: "1/m".to_owned(),
             value: 1.0,
-            std: half.map(|h| h / 1.96),
+            std: half.map(|h| h / HALF_INTERVAL95),
             interval95: half.map(|h| (1.0 - h, 1.0 + h)),
             identifiability: Identifiability::Identifiable,
         };
