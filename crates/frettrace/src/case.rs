@@ -30,6 +30,7 @@ pub fn recover_aperiodic(
     if let Some(better) = without_bent(case, measurement, &found) {
         found = better;
     }
+    let found = found.runs;
     for (record, run) in case.records.iter_mut().zip(&found) {
         if !record.periodic {
             record.series = series(run);
@@ -38,23 +39,51 @@ pub fn recover_aperiodic(
     Ok(found)
 }
 
-/// All runs of a measurement, those of a case that are not periodic over the whole spectrum.
-fn recovered(case: &Case, measurement: &Measurement) -> Result<Vec<RunReconstruction>, StudyError> {
-    let runs = |form: FormChoice| {
+/// Periodic runs, two that are fitted and one held out, below which a file is judged by what is recovered of the others.
+const LEAST_PERIODIC: usize = 3;
+
+/// Whether a case is judged by the contacts recovered over the whole spectrum: next to none of its runs are periodic.
+pub(crate) fn is_told_by_contacts(case: &Case) -> bool {
+    let periodic = case.records.iter().filter(|record| record.periodic).count();
+    periodic < LEAST_PERIODIC && case.records.len() >= periodic + LEAST_PERIODIC
+}
+
+/// All runs of a measurement.
+struct Recovered {
+    runs: Vec<RunReconstruction>,
+    /// χ² per degree of freedom of the balance of each: the least, where it was balanced on lines as well.
+    reduced: Vec<f64>,
+}
+
+impl Recovered {
+    /// The worst balance of some runs.
+    fn worst(&self, of: &[usize]) -> f64 {
+        of.iter().map(|&k| self.reduced[k]).fold(0.0, f64::max)
+    }
+}
+
+/// All runs of a measurement, over the whole spectrum those that are not periodic, and where it is judged by them the others too.
+fn recovered(case: &Case, measurement: &Measurement) -> Result<Recovered, StudyError> {
+    let runs = |measurement: &Measurement, form: FormChoice| {
         let options = ReconstructOptions { form, ..ReconstructOptions::default() };
         reconstruct(measurement, &options, &Progress::silent()).map(|found| found.inverse.runs)
     };
-    let mut found = runs(FormChoice::Auto)?;
+    let mut found = runs(measurement, FormChoice::Auto)?;
+    let mut reduced: Vec<f64> = found.iter().map(|run| run.balance.reduced()).collect();
     // What the inverse adds beside its lines is no run of bins.
-    let on_lines = |run: &RunReconstruction| run.lines.form != Form::Aperiodic;
-    if case.records.iter().zip(&found).any(|(record, run)| !record.periodic && on_lines(run)) {
-        for (run, whole) in found.iter_mut().zip(runs(FormChoice::Aperiodic)?) {
-            if on_lines(run) {
-                *run = whole;
-            }
+    let all = is_told_by_contacts(case);
+    let on_lines = |k: &usize| found[*k].lines.form != Form::Aperiodic && (all || !case.records[*k].periodic);
+    let missing: Vec<usize> = (0..found.len()).filter(on_lines).collect();
+    if !missing.is_empty() {
+        let mut part = measurement.clone();
+        part.runs = missing.iter().map(|&k| measurement.runs[k].clone()).collect();
+        // Over the whole spectrum no run asks for another one.
+        for (k, whole) in missing.into_iter().zip(runs(&part, FormChoice::Aperiodic)?) {
+            reduced[k] = reduced[k].min(whole.balance.reduced());
+            found[k] = whole;
         }
     }
-    Ok(found)
+    Ok(Recovered { runs: found, reduced })
 }
 
 /// χ² per degree of freedom up to which the balance of a run that was open is closed.
@@ -64,29 +93,27 @@ const DEAF: f64 = 1e4;
 
 /// The same with one sensor not listened to, where the balance of runs without a period is open with it, closed without it and without no other
 /// one, and its readings are a bent curve of what the others tell: that it saturates is then a fault of the case.
-fn without_bent(
-    case: &mut Case,
-    measurement: &Measurement,
-    found: &[RunReconstruction],
-) -> Option<Vec<RunReconstruction>> {
+fn without_bent(case: &mut Case, measurement: &Measurement, found: &Recovered) -> Option<Recovered> {
     let noise = measurement.sensors.noise_std.as_ref()?;
-    let aperiodic: Vec<usize> = (0..found.len()).filter(|&k| !case.records[k].periodic).collect();
-    let worst = |found: &[RunReconstruction]| {
-        aperiodic.iter().map(|&k| found[k].balance.reduced()).fold(0.0, f64::max)
-    };
-    if !broken_off(case).is_empty() || noise.len() <= LEAST_SENSORS || worst(found) <= BALANCE_CLOSED_RUN {
+    let aperiodic: Vec<usize> = (0..case.records.len()).filter(|&k| !case.records[k].periodic).collect();
+    let closed = found.worst(&aperiodic) <= BALANCE_CLOSED_RUN;
+    if closed || !broken_off(case).is_empty() || noise.len() <= LEAST_SENSORS {
         return None;
     }
     let deaf = |sensor: usize| {
         let mut other = measurement.clone();
         other.sensors.noise_std.iter_mut().for_each(|noise| noise[sensor] *= DEAF);
         let found = recovered(case, &other).ok()?;
-        (worst(&found) <= CLOSED_BALANCE).then_some((sensor, found))
+        (found.worst(&aperiodic) <= CLOSED_BALANCE).then_some((sensor, found))
     };
-    let mut closed: Vec<_> = (0..noise.len()).filter_map(deaf).collect();
-    let (sensor, found) = closed.pop().filter(|_| closed.is_empty())?;
+    let mut telling = (0..noise.len()).filter_map(deaf);
+    let (sensor, found) = telling.next()?;
+    if telling.next().is_some() {
+        return None;
+    }
     let reading = |&k: &usize| {
-        let (samples, fit) = (&measurement.runs[k].acceleration[sensor], &found[k].acceleration_fit[sensor]);
+        let (samples, fit) =
+            (&measurement.runs[k].acceleration[sensor], &found.runs[k].acceleration_fit[sensor]);
         let count = samples.len().max(1) as f64;
         let mean = samples.iter().sum::<f64>() / count;
         let variance = fit.std.iter().map(|std| std * std).sum::<f64>() / count;

@@ -14,9 +14,6 @@ use frettrace_identify::HALF_INTERVAL95;
 use frettrace_measurement::{MeasuredModes, Measurement, Recording};
 use std::collections::BTreeMap;
 
-/// Periodic runs, two that are fitted and one held out, below which a file is judged by what is recovered of the others.
-const LEAST_PERIODIC: usize = 3;
-
 /// How to explain.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ExplainOptions {
@@ -47,8 +44,7 @@ pub fn explain(
     case.without.clone_from(&options.without);
     let recovered = case::recover_aperiodic(&mut case, measurement)?;
     progress.step();
-    let periodic = case.records.iter().filter(|record| record.periodic).count();
-    if periodic < LEAST_PERIODIC && case.records.len() >= periodic + LEAST_PERIODIC {
+    if case::is_told_by_contacts(&case) {
         return aperiodic::explain(measurement, options, (&case, &recovered), progress);
     }
     let outcome = frettrace_explain::explain(&case)?;

@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_1_PI, PI};
 
 use crate::Scalar;
+use crate::lift::lift;
 
 /// Relaxation lengths after which a bristle has forgotten: exp(−20) = 2e-9 of what it was off by.
 const FORGOTTEN: f64 = 20.0;
@@ -79,21 +80,23 @@ pub(super) fn partial_slip<D: Scalar>(arguments: [D; 7]) -> D {
         tau = D::from(1.0 - FAR / left * (1.0 - tau.re()));
         loading = mu.at(tau);
     }
-    let rate = |loading: D, inverse_mu: D| push * partial_share(loading * inverse_mu, inverse_zone);
+    let rate = |loading: D, inverse_mu: D| rate([push, loading, inverse_mu, inverse_zone]);
     let mut longer = 1.0;
     if let Some((from, ratio)) = quasi_static(&mu, push.re(), breakaway.re(), (tau.re(), loading.re())) {
         tau = D::from(from);
         loading = mu.at(tau) * ratio;
         longer = SETTLED_STRIDE / STRIDE;
     }
+    let inverse_push = push.re().recip();
     let mut inverse = mu.at(tau).recip();
     while tau.re() < 1.0 {
         let r = loading.re() * inverse.re();
-        let length = push.re() * inverse.re();
+        // A relaxation length in shares of the travel.
+        let length = mu.real_at(tau.re()) * inverse_push;
         // μ rises fastest at one of the two ends of the step.
-        let ahead = (tau.re() + STRIDE / length).min(1.0);
-        let rise = mu.real_slope_at(tau.re()).max(mu.real_slope_at(ahead)) / push.re();
-        let stride = longer * stride(rise.max(0.0), r, breakaway.re()) / length;
+        let ahead = (tau.re() + STRIDE * length).min(1.0);
+        let rise = mu.real_slope_at(tau.re()).max(mu.real_slope_at(ahead)) * inverse_push;
+        let stride = longer * stride(rise.max(0.0), r, inverse_zone.re()) * length;
         let last = tau.re() + stride >= 1.0;
         let step = if last { -tau + 1.0 } else { D::from(stride) };
         let half = mu.at(tau + step * 0.5).recip();
@@ -167,37 +170,76 @@ fn slow(m: f64, zone: f64) -> Option<(f64, f64)> {
 /// Length of a Runge-Kutta step: [`STRIDE`] divided by a bound of the local slope of `1 − s`. Where `r` may fall through 1
 /// within a step, by the relative change `rise` of μ in a relaxation length, the bound is that of the quasi-static state.
 #[inline(always)]
-fn stride(rise: f64, r: f64, breakaway: f64) -> f64 {
-    let zone = 1.0 - breakaway;
+fn stride(rise: f64, r: f64, inverse_zone: f64) -> f64 {
     let settled = if r < 1.0 + 2.0 * STRIDE * rise { rise.sqrt() * 2.0 * FRAC_1_PI } else { 0.0 };
-    let depth = ((1.0 - r) / zone).max(settled).clamp(0.0, FRAC_1_PI);
-    STRIDE / (1.0 + 0.5 * PI * PI * depth / zone)
+    let depth = ((1.0 - r) * inverse_zone).max(settled).clamp(0.0, FRAC_1_PI);
+    STRIDE / (1.0 + 0.5 * PI * PI * depth * inverse_zone)
 }
 
 /// `1 − α(r) r` with `α = cos²(π ρ / 2)`, `ρ = (1 − r)/(1 − b)` clipped to 0 … 1.
 #[inline(always)]
 pub fn breakaway_share<D: Scalar>(r: D, breakaway: D) -> D {
-    partial_share(r, (-breakaway + 1.0).recip())
+    rate([D::from(1.0), r, D::from(1.0), (-breakaway + 1.0).recip()])
 }
 
-/// [`breakaway_share`] with `1/(1 − b)`; `1 − α r = u + r sin²(π ρ / 2)`, `u = 1 − r`.
+/// `U (1 − α(r) r)` of `U`, `p`, `1/μ` and `1/(1 − b)`; `r = p/μ`.
 #[inline(always)]
-fn partial_share<D: Scalar>(r: D, inverse_zone: D) -> D {
-    let u = -r + 1.0;
-    let rho = u * inverse_zone;
-    if rho.re() >= 1.0 {
-        D::from(1.0)
-    } else if rho.re() <= 0.0 {
-        u
-    } else {
-        u + r * sine_square(rho)
+fn rate<D: Scalar>(arguments: [D; 4]) -> D {
+    let [push, loading, inverse_mu, inverse_zone] = arguments.map(|argument| argument.re());
+    let share = PartialShare::at(loading * inverse_mu, inverse_zone);
+    let value = push * share.value();
+    if D::NDERIV == 0 {
+        return D::from(value);
+    }
+    let [by_r, by_zone] = share.slopes();
+    let pushed = push * by_r;
+    lift(value, [share.value(), pushed * inverse_mu, pushed * loading, push * by_zone], arguments)
+}
+
+/// `1 − α r = u + r sin²(π ρ / 2)`, `u = 1 − r`, `ρ = u/(1 − b)`.
+struct PartialShare {
+    r: f64,
+    inverse_zone: f64,
+    /// `ρ`, unclipped.
+    rho: f64,
+}
+
+impl PartialShare {
+    #[inline(always)]
+    fn at(r: f64, inverse_zone: f64) -> Self {
+        Self { r, inverse_zone, rho: (1.0 - r) * inverse_zone }
+    }
+
+    #[inline(always)]
+    fn value(&self) -> f64 {
+        if self.rho >= 1.0 {
+            1.0
+        } else if self.rho <= 0.0 {
+            1.0 - self.r
+        } else {
+            1.0 - self.r + self.r * sine_square(self.rho)
+        }
+    }
+
+    /// Derivatives by `r` and by `1/(1 − b)`.
+    #[inline(always)]
+    fn slopes(&self) -> [f64; 2] {
+        if self.rho >= 1.0 {
+            [0.0; 2]
+        } else if self.rho <= 0.0 {
+            [-1.0, 0.0]
+        } else {
+            let (sine, along) = (sine_square(self.rho), self.r * sine_square_slope(self.rho));
+            [sine - 1.0 - along * self.inverse_zone, along * (1.0 - self.r)]
+        }
     }
 }
 
 /// `sin²(π ρ / 2) = (1 + sin(π(ρ − ½)))/2` of `ρ` between 0 and 1. Taylor's series up to the 15th power of
-/// `|y| ≤ π/2`; what is cut off is below `(π/2)¹⁷/17! = 6e-12`.
+/// `|y| ≤ π/2`; what is cut off is below `(π/2)¹⁷/17! = 6e-12`. Its terms are summed in pairs, and pairs of those: a sum one by one
+/// would wait for each.
 #[inline(always)]
-fn sine_square<D: Scalar>(rho: D) -> D {
+fn sine_square(rho: f64) -> f64 {
     const SINE: [f64; 8] = [
         1.0,
         -1.0 / 6.0,
@@ -209,14 +251,50 @@ fn sine_square<D: Scalar>(rho: D) -> D {
         -1.0 / 1_307_674_368_000.0,
     ];
     let y = (rho - 0.5) * PI;
+    y * in_pairs(&SINE, y * y) * 0.5 + 0.5
+}
+
+/// Its derivative `½ π cos(π(ρ − ½))`, up to the 16th power; what is cut off is below `(π/2)¹⁸/18! = 5e-13`.
+#[inline(always)]
+fn sine_square_slope(rho: f64) -> f64 {
+    const COSINE: [f64; 8] = [
+        -1.0 / 2.0,
+        1.0 / 24.0,
+        -1.0 / 720.0,
+        1.0 / 40_320.0,
+        -1.0 / 3_628_800.0,
+        1.0 / 479_001_600.0,
+        -1.0 / 87_178_291_200.0,
+        1.0 / 20_922_789_888_000.0,
+    ];
+    let y = (rho - 0.5) * PI;
     let square = y * y;
-    let series = SINE[..7].iter().rev().fold(D::from(SINE[7]), |sum, &term| sum * square + term);
-    y * series * 0.5 + 0.5
+    0.5 * PI * (1.0 + square * in_pairs(&COSINE, square))
+}
+
+/// `Σ c_i x^i`.
+#[inline(always)]
+fn in_pairs(c: &[f64; 8], x: f64) -> f64 {
+    let square = x * x;
+    let quarter = |i: usize| c[i] + c[i + 1] * x;
+    let half = |i: usize| quarter(i) + quarter(i + 2) * square;
+    half(0) + half(4) * (square * square)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Parabola, breakaway_share, partial_slip};
+    use super::{Parabola, breakaway_share, partial_slip, sine_square, sine_square_slope};
+    use std::f64::consts::PI;
+
+    /// The series are `sin²(πρ/2)` and its derivative `½π sin(πρ)`.
+    #[test]
+    fn series_are_the_square_of_a_sine_and_its_slope() {
+        for k in 0..=100 {
+            let rho = 0.01 * f64::from(k);
+            assert!((sine_square(rho) - (0.5 * PI * rho).sin().powi(2)).abs() < 6e-12, "{rho}");
+            assert!((sine_square_slope(rho) - 0.5 * PI * (PI * rho).sin()).abs() < 1e-12, "{rho}");
+        }
+    }
 
     /// Runge-Kutta in steps of a thirtieth of the shortest relaxation.
     fn fine([p, push, tau, start, lean, bend, b]: [f64; 7]) -> f64 {

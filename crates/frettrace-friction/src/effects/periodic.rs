@@ -18,6 +18,8 @@ const PERIODS: usize = 12;
 const SETTLED: f64 = 1e-9;
 /// … beside a state (in units of the friction coefficient, or of the memory) that is none.
 const NONE: f64 = 1e-12;
+/// Relative difference below which a state has met what it was a period before, and stays with it: along a given motion differences only shrink.
+const MET: f64 = 1e-11;
 /// Motion of a contact over one period, one value a sample; the series are equally long and not empty.
 #[derive(Clone, Copy, Debug)]
 pub struct Periodic<'a> {
@@ -128,8 +130,12 @@ impl ModifiedLaw<f64> {
         let begun = self.begun((along.slip[0], along.velocity[0], along.normal[0]), along);
         let [b, memory, engaged, lagged] = begun.0;
         let (mut legs, of_step, engaged) = self.legs(along, engaged);
-        let recalled = |memory: f64| legs.iter_mut().fold(memory, |memory, leg| leg.recall(self, memory));
-        let memory = if self.remembers() { close(memory, recalled) } else { memory };
+        let memory = if self.remembers() {
+            let mut repeated = Repeated::new(legs.len());
+            close(memory, |memory| repeated.lead(memory, |k, memory| legs[k].recall(self, memory)))
+        } else {
+            memory
+        };
         let rubbed = self.rub(along, (&legs, &of_step), b);
         let circumstance = along.circumstance(self, 0);
         for (k, &last) in of_step.iter().enumerate() {
@@ -195,14 +201,10 @@ impl ModifiedLaw<f64> {
             friction.push(along[2]);
             flows.push(leg.flow(self, along));
         }
-        let mut deflection = vec![0.0; of_step.len()];
+        let mut repeated = Repeated::new(of_step.len());
         let mut period = |start: f64, over: &dyn Fn(usize, f64) -> f64| {
-            let (mut b, mut from) = (start, 0);
-            for (reached, &last) in deflection.iter_mut().zip(of_step) {
-                b = (from..=last).fold(b, |b, leg| over(leg, b));
-                (*reached, from) = (b, last + 1);
-            }
-            b
+            let from = |k: usize| k.checked_sub(1).map_or(0, |before| of_step[before] + 1);
+            repeated.lead(start, |k, b| (from(k)..=of_step[k]).fold(b, |b, leg| over(leg, b)))
         };
         let start = if self.is_linear() {
             let map = |flow: &Flow<f64>| {
@@ -217,7 +219,11 @@ impl ModifiedLaw<f64> {
         } else {
             close(b, |b| period(b, &|leg, b| flows[leg].over(self, b)))
         };
-        Rubbed { start, deflection, friction: of_step.iter().map(|&leg| friction[leg]).collect() }
+        Rubbed {
+            start,
+            deflection: repeated.reached,
+            friction: of_step.iter().map(|&leg| friction[leg]).collect(),
+        }
     }
 
     /// Replaces a settled force by the one that lags behind it; its value at the start of the period.
@@ -246,8 +252,9 @@ impl ModifiedLaw<f64> {
             .collect();
         let mut memory = self.rest_at(0.0).0[1];
         if self.remembers() {
+            let mut repeated = Repeated::new(along.slip.len());
             memory = close(memory, |memory| {
-                (0..along.slip.len()).fold(memory, |memory, k| {
+                repeated.lead(memory, |k, memory| {
                     let next = along.next(k);
                     places[next].memory = self.remember(memory, &places[k], &places[next], along.dt);
                     places[next].memory
@@ -263,6 +270,29 @@ impl ModifiedLaw<f64> {
             force[k] = held.1;
         }
         ModifiedState([b, memory, along.slip[0], 0.0])
+    }
+}
+
+/// A state after each part of a period that is gone through again and again.
+struct Repeated {
+    reached: Vec<f64>,
+}
+
+impl Repeated {
+    fn new(parts: usize) -> Self {
+        Self { reached: vec![f64::NAN; parts] }
+    }
+
+    /// Leads a state through the period, or until it meets what it was there the time before; the state after the last part.
+    fn lead(&mut self, mut state: f64, mut over: impl FnMut(usize, f64) -> f64) -> f64 {
+        for k in 0..self.reached.len() {
+            state = over(k, state);
+            let before = std::mem::replace(&mut self.reached[k], state);
+            if (state - before).abs() <= MET * (NONE + state.abs()) {
+                break;
+            }
+        }
+        self.reached.last().copied().unwrap_or(state)
     }
 }
 

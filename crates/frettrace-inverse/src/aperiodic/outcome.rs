@@ -2,7 +2,7 @@
 
 use super::drift::{Polynomial, Seen, Weighed, levels};
 use super::ends::JUMPS;
-use super::sources::{Common, OUTPUTS, Outputs, Spectra, add};
+use super::sources::{Common, OUTPUTS, Outputs, Spectra, combined};
 use super::{Round, Whole};
 use crate::contact::{BalanceResidual, ContactHarmonics, RunBalance, SharedErrors};
 use crate::dynamics::Load;
@@ -48,7 +48,8 @@ impl Whole<'_> {
         let mut table = Table {
             values: std::array::from_fn(|o| rows.iter().map(|row| row.outputs[o]).collect()),
             variances: std::array::from_fn(|o| rows.iter().map(|row| row.own[o]).collect()),
-            sources: self.common_sources(&common),
+            // The errors of the common unknowns.
+            sources: combined(&common.outputs.iter().collect::<Vec<_>>(), &common.root),
         };
         self.weigh_drift(&rows, (allowed, &common), &mut table);
         table.sources.push(std::array::from_fn(|o| rows.iter().map(|row| row.differences[o]).collect()));
@@ -193,17 +194,6 @@ impl Whole<'_> {
         (0..self.setting.dynamics.sensors()).map(variance).collect()
     }
 
-    /// The common unknowns' errors as independent sources.
-    fn common_sources(&self, common: &Common) -> Vec<Spectra> {
-        let along = |s: usize| {
-            let mut sum: Spectra = std::array::from_fn(|_| vec![Complex64::ZERO; self.bins.len()]);
-            let gains = common.outputs.iter().enumerate();
-            gains.for_each(|(i, gain)| add(&mut sum, gain, common.root[(i, s)]));
-            sum
-        };
-        (0..common.root.ncols()).into_par_iter().map(along).collect()
-    }
-
     /// The structure's errors, what the lines have of each put to what the bins have.
     fn structure_sources(&self, round: &Round, common: &Common) -> Vec<Spectra> {
         let mut sources = self.structure(round, common);
@@ -239,10 +229,8 @@ impl Whole<'_> {
             .collect();
         for polynomial in &polynomials {
             let content: Vec<f64> = forces.iter().map(|force| polynomial.of(force)).collect();
-            let contents = Mat::from_fn(loads, common.root.ncols(), |u, s| {
-                let moved = common.forces.iter().enumerate();
-                moved.map(|(i, forces)| polynomial.of(&forces[u]) * common.root[(i, s)]).sum::<f64>()
-            });
+            let moved = Mat::from_fn(loads, common.forces.len(), |u, i| polynomial.of(&common.forces[i][u]));
+            let contents = moved * &common.root;
             let own = Mat::from_fn(loads, loads, |u, v| {
                 polynomial.of_independent(round.solved.iter().map(|s| s.covariance[u * loads + v].re))
             });

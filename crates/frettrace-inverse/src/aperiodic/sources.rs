@@ -143,11 +143,22 @@ impl Slow {
 /// Share of the record's own frequency at which a force is slow.
 const STILL: f64 = 1e-3;
 
-/// Adds a share of spectra to spectra.
-pub(super) fn add(to: &mut Spectra, more: &Spectra, share: f64) {
-    for (to, more) in to.iter_mut().zip(more) {
-        to.iter_mut().zip(more).for_each(|(a, b)| *a += b * share);
-    }
+/// Sums of spectra with shares, a column of them each sum: for each output the product of a matrix of its bins, two rows each, with the shares.
+pub(super) fn combined(of: &[&Spectra], shares: &Mat<f64>) -> Vec<Spectra> {
+    let bins = of.first().map_or(0, |spectra| spectra[0].len());
+    let product = |o: usize| {
+        let part = |row: usize, i: usize| {
+            let value = of[i][o][row / 2];
+            if row.is_multiple_of(2) { value.re } else { value.im }
+        };
+        Mat::from_fn(2 * bins, of.len(), part) * shares
+    };
+    let products: Vec<Mat<f64>> = (0..OUTPUTS).into_par_iter().map(product).collect();
+    let spectrum = |o: usize, s: usize| {
+        let sum = &products[o];
+        (0..bins).map(|k| Complex64::new(sum[(2 * k, s)], sum[(2 * k + 1, s)])).collect()
+    };
+    (0..shares.ncols()).into_par_iter().map(|s| std::array::from_fn(|o| spectrum(o, s))).collect()
 }
 
 /// Root `L` of a covariance, `LLᵀ`; zero where it has none.
@@ -160,4 +171,31 @@ fn root(covariance: &Mat<f64>) -> Mat<f64> {
         |_| Mat::zeros(n, n),
         |eigen| Mat::from_fn(n, n, |i, k| scale[i] * eigen.U()[(i, k)] * eigen.S()[k].max(0.0).sqrt()),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sums are the sums, bin by bin and output by output.
+    #[test]
+    fn combined_spectra_are_their_weighted_sums() {
+        let value = |i: usize, o: usize, k: usize| {
+            Complex64::new((i + 2 * o) as f64 - k as f64, (3 * i * k) as f64 + o as f64)
+        };
+        let spectra: Vec<Spectra> =
+            (0..3).map(|i| std::array::from_fn(|o| (0..4).map(|k| value(i, o, k)).collect())).collect();
+        let shares = Mat::from_fn(3, 2, |i, s| (i + 1) as f64 / (s + 2) as f64);
+        let found = combined(&spectra.iter().collect::<Vec<_>>(), &shares);
+        assert_eq!(found.len(), 2);
+        for (s, sums) in found.iter().enumerate() {
+            for (o, sum) in sums.iter().enumerate() {
+                for (k, sum) in sum.iter().enumerate() {
+                    let expected: Complex64 = (0..3).map(|i| value(i, o, k) * shares[(i, s)]).sum();
+                    assert!((sum - expected).norm() < 1e-12, "{s} {o} {k}: {sum} {expected}");
+                }
+            }
+        }
+        assert!(combined(&[], &Mat::zeros(0, 0)).is_empty());
+    }
 }

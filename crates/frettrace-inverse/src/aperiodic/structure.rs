@@ -5,11 +5,12 @@
 //! answer as they would to accelerations `φ_n z`.
 
 use super::ends::{Decay, Decays};
-use super::sources::{Common, Outputs, Spectra, add};
+use super::sources::{Common, Outputs, Spectra, combined};
 use super::{Round, Whole};
 use crate::calibration::generalised_force;
 use crate::contact::COMPLIANCE_DOUBT;
 use crate::dynamics::Load;
+use faer::Mat;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -38,15 +39,16 @@ impl Whole<'_> {
             .into_par_iter()
             .map(|p| spectra(moved.iter().map(|bin| bin[p].outputs)))
             .collect();
-        let along = |root: &Vec<f64>| -> Spectra {
-            let mut sum: Spectra = std::array::from_fn(|_| vec![Complex64::ZERO; self.bins.len()]);
-            own.iter().zip(root).for_each(|(own, share)| add(&mut sum, own, *share));
-            for (gain, answers) in common.outputs.iter().zip(&answers) {
-                add(&mut sum, gain, answers.iter().zip(root).map(|(a, r)| a * r).sum());
+        // Each source moves the parameters by its root, and the common unknowns by what they answer to that.
+        let shares = Mat::from_fn(own.len() + answers.len(), roots.len(), |i, source| {
+            let root = &roots[source];
+            match i.checked_sub(own.len()) {
+                None => root[i],
+                Some(unknown) => answers[unknown].iter().zip(root).map(|(a, r)| a * r).sum(),
             }
-            sum
-        };
-        let mut found: Vec<Spectra> = roots.par_iter().map(along).collect();
+        });
+        let moving: Vec<&Spectra> = own.iter().chain(&common.outputs).collect();
+        let mut found = combined(&moving, &shares);
         found.push(spectra((0..self.bins.len()).map(|k| self.compliance(k, round))));
         found
     }
