@@ -117,14 +117,14 @@ impl<'a> Begun<'a> {
         // So it does where no contact force closes the balance, however little of that shows among the noise of all samples.
         let done = settled && !search.is_open(&baseline);
         let mut model = if done { baseline.clone() } else { search.close(&baseline)? };
-        // What takes the strain from a mode must take all of it, and help where nothing was fitted: lines hold more than the noise where a grid
-        // is coarse, too.
-        if done && search.is_strained(&baseline) {
+        // The values of a law and of a structure may be bent until the error is within the noise of all samples. What is named for what lines still
+        // hold must take all of it, and help where nothing was fitted: lines hold more than the noise where a grid is coarse, too.
+        if done && search.holds_more(&baseline) {
             let mut other = search.clone();
             let finer = other.sharpened(baseline.clone(), LeftLines::is_noise, |_, one| one.complete());
-            let eased = if other.is_strained(&finer) { other.close(&finer)? } else { finer.clone() };
-            if other.eases(&finer, &eased) {
-                (search, model, baseline) = (other, eased, finer);
+            let named = if other.holds_more(&finer) { other.close(&finer)? } else { finer.clone() };
+            if other.has_it_all(&finer, &named) {
+                (search, model, baseline) = (other, named, finer);
                 search.before = search.errors_as_read(&baseline);
             }
         }

@@ -48,10 +48,11 @@ fn strained(model: &Explained) -> impl Iterator<Item = &Unknown> {
 }
 
 impl Search<'_> {
-    /// Whether a model that is complete has been strained to be so: its lines hold more than the noise with a mode at the end of what was
-    /// declared of it.
-    pub(super) fn is_strained(&self, model: &Explained) -> bool {
-        !model.left().is_noise() && strained(model).next().is_some()
+    /// Whether the lines of a model that is complete hold more than their noise, which is a small part of that of all samples. The balance of a rigid
+    /// contact leaves as much on any grid: there a mode must be at the end of what was declared of it, strained to take it up.
+    pub(super) fn holds_more(&self, model: &Explained) -> bool {
+        let yields = !model.fitted.setting.rigid;
+        !model.left().is_noise() && (yields || strained(model).next().is_some())
     }
 
     /// Where structure effects start from: what was declared, or the model that already holds effects. A base fit of a law to
@@ -219,10 +220,10 @@ impl Search<'_> {
         allowed.then_some(found)
     }
 
-    /// Whether a model with names has all that a strained one's lines hold beside the noise.
-    pub(super) fn eases(&self, strained: &Explained, model: &Explained) -> bool {
+    /// Whether a model with names has all that the lines of one without hold beside the noise, and foretells runs better.
+    pub(super) fn has_it_all(&self, without: &Explained, model: &Explained) -> bool {
         let fits = !model.effects.is_empty() && model.complete() && model.left().is_noise();
-        fits && self.foretells(strained, model)
+        fits && self.foretells(without, model)
     }
 
     /// Whether the last effect of a model may be asked for by its name.
