@@ -18,6 +18,15 @@ pub fn lift<T: Scalar, const M: usize>(value: f64, partials: [f64; M], arguments
     lifted
 }
 
+/// `Σ c_i x^i`, its terms summed in pairs, and pairs of those: a sum one by one would wait for each.
+#[inline(always)]
+pub(crate) fn in_pairs(c: &[f64; 8], x: f64) -> f64 {
+    let square = x * x;
+    let quarter = |i: usize| c[i] + c[i + 1] * x;
+    let half = |i: usize| quarter(i) + quarter(i + 2) * square;
+    half(0) + half(4) * (square * square)
+}
+
 /// The larger of a number and zero: compression only.
 #[inline(always)]
 pub fn positive_part<T: Scalar>(value: T) -> T {

@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_1_PI, PI};
 
 use crate::Scalar;
-use crate::lift::lift;
+use crate::lift::{in_pairs, lift};
 
 /// Relaxation lengths after which a bristle has forgotten: exp(−20) = 2e-9 of what it was off by.
 const FORGOTTEN: f64 = 20.0;
@@ -236,8 +236,7 @@ impl PartialShare {
 }
 
 /// `sin²(π ρ / 2) = (1 + sin(π(ρ − ½)))/2` of `ρ` between 0 and 1. Taylor's series up to the 15th power of
-/// `|y| ≤ π/2`; what is cut off is below `(π/2)¹⁷/17! = 6e-12`. Its terms are summed in pairs, and pairs of those: a sum one by one
-/// would wait for each.
+/// `|y| ≤ π/2`; what is cut off is below `(π/2)¹⁷/17! = 6e-12`.
 #[inline(always)]
 fn sine_square(rho: f64) -> f64 {
     const SINE: [f64; 8] = [
@@ -270,15 +269,6 @@ fn sine_square_slope(rho: f64) -> f64 {
     let y = (rho - 0.5) * PI;
     let square = y * y;
     0.5 * PI * (1.0 + square * in_pairs(&COSINE, square))
-}
-
-/// `Σ c_i x^i`.
-#[inline(always)]
-fn in_pairs(c: &[f64; 8], x: f64) -> f64 {
-    let square = x * x;
-    let quarter = |i: usize| c[i] + c[i + 1] * x;
-    let half = |i: usize| quarter(i) + quarter(i + 2) * square;
-    half(0) + half(4) * (square * square)
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 //!
 //! Along a given motion nothing but the deflection depends on the deflection. So the state settles part by part – the slip that
 //! play engages, the memory, the deflection, the lagged force – and the friction coefficient, which costs most, is computed
-//! once for every place instead of once in every period. A part that is the fixed point of `x = P(x)`, one period, is iterated
-//! with Aitken's extrapolation; where `P(x) = a + kx` (a bristle of linear saturation along a given motion) it is
+//! once for every place instead of once in every period. A part that is the fixed point of `x = P(x)`, one period, is found
+//! by the secant; where `P(x) = a + kx` (a bristle of linear saturation along a given motion) it is
 //! `x = a/(1 − k)`.
 
 use super::hooks::Hook;
@@ -298,7 +298,7 @@ impl Repeated {
 
 /// The fixed point of a period, from a start.
 fn close(mut state: f64, mut period: impl FnMut(f64) -> f64) -> f64 {
-    let mut before: Option<f64> = None;
+    let mut before: Option<[f64; 2]> = None;
     for left in (0..PERIODS).rev() {
         let old = state;
         state = period(old);
@@ -306,17 +306,12 @@ fn close(mut state: f64, mut period: impl FnMut(f64) -> f64) -> f64 {
         if change.abs() <= SETTLED * (NONE + state.abs()) {
             break;
         }
-        // Slow memory closes geometrically: Aitken's extrapolation, not in the last period.
-        before = match before {
-            Some(last) if left > 0 => {
-                let ratio = change / last;
-                if ratio.is_finite() && ratio.abs() < 0.999 {
-                    state += change * ratio / (1.0 - ratio);
-                }
-                None
-            }
-            _ => Some(change),
-        };
+        // Slow memory closes geometrically, by the share that the last two periods show: the secant's zero of the change, not in the last period.
+        let share = before.map(|[start, last]| 1.0 + (change - last) / (old - start));
+        if let Some(share) = share.filter(|share| left > 0 && share.is_finite() && share.abs() < 0.999) {
+            state += change * share / (1.0 - share);
+        }
+        before = Some([old, change]);
     }
     state
 }
