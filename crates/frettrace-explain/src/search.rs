@@ -5,7 +5,7 @@ use crate::effects::{ALL, Simpler, apply, set_by_forms};
 use crate::left::LeftLines;
 use crate::study::{as_declared, merge};
 use crate::{ExplainError, Fitted, Study, Unknown};
-use frettrace_forward::accelerations::{PortLaw, Quantity, Setting};
+use frettrace_forward::accelerations::{Memory, PortLaw, Quantity, Setting};
 use frettrace_identify::{Fit, Status};
 use rayon::prelude::*;
 
@@ -186,11 +186,17 @@ impl Study<'_> {
     /// The same model fitted further, with everything free. Where friction depends on the contact's place, each run is placed anew:
     /// the law may have come from where another wave answered better.
     pub(crate) fn polished(&self, from: &Explained) -> Result<Explained, ExplainError> {
+        if from.fitted.setting.law.depends_on_place() {
+            self.fitted_on(from, &self.model.memory())
+        } else {
+            self.fitted_on(from, &from.fitted.memory)
+        }
+    }
+
+    /// The same model fitted further, with everything free, from the motions that are remembered.
+    fn fitted_on(&self, from: &Explained, memory: &Memory) -> Result<Explained, ExplainError> {
         let unknowns = merge(&self.case.unknowns(), &from.added);
-        let setting = from.fitted.setting.clone();
-        let placed = setting.law.depends_on_place();
-        let memory = if placed { self.model.memory() } else { from.fitted.memory.clone() };
-        let fitted = self.fit(setting, &unknowns, &memory, 30)?;
+        let fitted = self.fit(from.fitted.setting.clone(), &unknowns, memory, 30)?;
         let mut found = self.judged(fitted, from.effects.clone(), from.added.clone());
         found.sensors.clone_from(&from.sensors);
         found.counts.clone_from(&from.counts);
@@ -218,7 +224,8 @@ impl Study<'_> {
         reduced.effects.remove(place);
         reduced.sensors.remove(place);
         reduced.counts.remove(place);
-        self.polished(&reduced).ok()
+        // The motions are those of a model that is near: a run may have several.
+        self.fitted_on(&reduced, &from.fitted.memory).ok()
     }
 
     /// A model that was not fitted: the declared values as they are.

@@ -167,9 +167,11 @@ impl<'a> Found<'a> {
         self.search.held_out_ratio(&self.model)
     }
 
-    /// Whether the declared model follows the runs it was fitted to and misses those held out.
+    /// Whether the declared model, or one in which no error but a natural frequency itself says that it is another, follows the runs it was fitted
+    /// to and misses those held out.
     fn contradicted(&self) -> bool {
-        self.model.effects.is_empty() && self.model.complete() && self.held_out_ratio() > CONTRADICTED
+        let declared = self.model.effects.is_empty() || self.search.deviates;
+        declared && self.model.complete() && self.held_out_ratio() > CONTRADICTED
     }
 
     /// Whether one set of values of the declared law follows all runs: those it was fitted to did not tell them well enough to foretell
