@@ -373,13 +373,14 @@ impl Search<'_> {
             return EffectPlace::Contact;
         }
         let closed = self.closed(&model.fitted.setting);
-        // Effects that are not named may have bent the structure to what is missing.
-        let declared = self.declared_start(&model);
-        let starts =
-            std::iter::once(declared).chain((!model.effects.is_empty()).then_some(model.fitted.setting));
-        let places = starts.map(|setting| self.study.open_place(&setting));
-        let (place, left) =
-            places.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((EffectPlace::Structure, f64::INFINITY));
+        // Effects that are not named may have bent the structure to what is missing: it is asked where the declared one leaves more than the noise.
+        let (mut place, mut left) = self.study.open_place(&self.declared_start(&model));
+        if left > BALANCE_CALIBRATED && !model.effects.is_empty() {
+            let bent = self.study.open_place(&model.fitted.setting);
+            if bent.1 < left {
+                (place, left) = bent;
+            }
+        }
         if closed && stays_with_contact(reduced, left) { EffectPlace::Contact } else { place }
     }
 
