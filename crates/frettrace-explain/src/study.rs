@@ -57,6 +57,9 @@ pub enum ExplainError {
 /// along a run that is not periodic.
 const PARTIAL_SLIP_PERIODS: f64 = 8.0;
 
+/// Fewest training runs that are fitted where others have no answer yet.
+const LEAST_LEFT: usize = 2;
+
 /// A case with its split and its model.
 #[derive(Clone)]
 pub struct Study<'a> {
@@ -193,12 +196,20 @@ impl<'a> Study<'a> {
             absolute_tolerance: 0.3,
             ..FitSettings::default()
         };
-        let problem = self.training_problem(setting.clone(), &unknowns, warm);
+        let mut setting = setting;
+        let mut problem = self.training_problem(setting.clone(), &unknowns, warm);
         let mut memory = warm.clone();
         self.begin(&setting, &self.training, &mut memory);
         let mut found = fit_with_memory(&problem, &problem.start(), &settings, &mut memory);
         if matches!(found, Err(IdentifyError::NoStart { .. })) {
-            self.model.approach(&setting, &self.training, &mut memory)?;
+            if let Err(unsolved) = self.model.approach(&setting, &self.training, &mut memory) {
+                // A run whose balance does not close at the start joins once the others have improved the law.
+                let others = self.without_run(&unsolved).ok_or(unsolved)?;
+                let nearer = others.fit(setting, &unknowns, warm, most)?;
+                (setting, memory) = (nearer.setting, nearer.memory);
+                problem = self.training_problem(setting.clone(), &unknowns, &memory);
+                self.begin(&setting, &self.training, &mut memory);
+            }
             found = fit_with_memory(&problem, &problem.start(), &settings, &mut memory);
         }
         let found = found?;
@@ -207,6 +218,13 @@ impl<'a> Study<'a> {
         let _ = self.model.predict(&setting, &self.training, &mut memory);
         let deviation = deviations(&problem, &found, &memory);
         Ok(Fitted { setting, unknowns, fit: found, memory, deviation })
+    }
+
+    /// The same study without the training run that has no answer; `None` where too few would be left to tell a law.
+    fn without_run(&self, unsolved: &AccelerationError) -> Option<Self> {
+        let AccelerationError::NotBalanced { run, .. } = unsolved else { return None };
+        let training: Vec<usize> = self.training.iter().copied().filter(|other| other != run).collect();
+        (LEAST_LEFT..self.training.len()).contains(&training.len()).then(|| Self { training, ..self.clone() })
     }
 
     /// The same study on a finer phase grid with twice the lines of contact force: kinks that a law with play, stops or a
