@@ -20,6 +20,7 @@ pub fn exhibits(measurement: &Measurement, shown: &[Exhibit], held_out: &[usize]
         contact_loop(&measurement.runs[exhibit.run], held_out.contains(&exhibit.run), sides)
     };
     Exhibits {
+        contact_is_measured: false,
         loops: shown.iter().map(looped).collect(),
         waveforms: unseen().map(|exhibit| waveform(measurement, exhibit)).collect(),
         spectra: unseen().take(SPECTRA).map(|exhibit| spectrum(measurement, exhibit)).collect(),

@@ -88,8 +88,9 @@ fn waveform(channel: &Waveform, view: View) -> Vec<Figure> {
         };
         Figure::new(format!("{name}-{}", channel.run), Kind::Signals, chart.picture(view.ink))
     };
+    let read = view.contact || channel.channel.starts_with("acceleration");
     let signal = vec![
-        curve("measured", Role::Measured, &channel.measured),
+        curve(if read { "measured" } else { "recovered" }, Role::Measured, &channel.measured),
         curve("declared model", Role::Before, &channel.before),
         curve("with the effects", Role::After, &channel.after),
     ];

@@ -159,7 +159,7 @@ fn place(place: Option<Place>) -> &'static str {
 
 /// Whether motion and force were measured in the contact itself, so that nothing had to be recovered.
 pub(super) fn is_contact_record(found: &Explanation) -> bool {
-    found.baseline.error.force.is_some() && found.baseline.error.acceleration.is_none()
+    found.exhibits.contact_is_measured
 }
 
 /// Error before over error after up to which runs show nothing of an effect.

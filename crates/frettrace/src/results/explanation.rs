@@ -257,6 +257,9 @@ pub struct ChannelSpectrum {
 /// What the report draws; at most some hundred points a curve.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Exhibits {
+    /// Whether motion and force were measured in the contact itself; else they were recovered from accelerations.
+    #[serde(default)]
+    pub contact_is_measured: bool,
     /// Friction loops, measured and modelled.
     #[serde(default)]
     pub loops: Vec<ContactLoop>,

@@ -43,6 +43,7 @@ pub(super) fn exhibits(record: &ContactRecord, parts: &Parts, outcome: &RecordOu
     }
     let drawn = || shown.iter().filter(|s| s.held_out).chain(shown.iter().filter(|s| !s.held_out));
     Exhibits {
+        contact_is_measured: true,
         loops: drawn().take(MOST_RUNS).map(|s| contact_loop(s, unit)).collect(),
         waveforms: drawn().filter(|s| s.held_out).take(MOST_RUNS).map(waveform).collect(),
         spectra: drawn().filter(|s| s.held_out).filter_map(spectrum).take(SPECTRA).collect(),

@@ -80,6 +80,21 @@ fn the_page_is_complete_and_stands_alone() {
     assert_eq!(page.matches("http").count(), page.matches("http://www.w3.org/2000/svg").count());
 }
 
+/// Whether a force was measured or recovered is said by what the file holds, not by what the errors are errors of: those of runs without a period are
+/// errors of a force that was recovered.
+#[test]
+fn recovered_forces_are_not_called_measured() {
+    let mut found = found();
+    found.baseline.error.force = Some(0.1);
+    let recovered = html("x", &found);
+    assert!(
+        recovered.contains("<th>recovered</th>") && recovered.contains("cannot be seen by accelerometers")
+    );
+    found.exhibits.contact_is_measured = true;
+    let measured = html("x", &found);
+    assert!(measured.contains("<th>measured</th>") && measured.contains("load cell"));
+}
+
 /// An undefined number appears as such, never as NaN.
 #[test]
 fn undefined_numbers_are_said_in_words() {
