@@ -23,7 +23,7 @@ const QUICK: f64 = 1.0;
 /// lines near half the sampling rate of a channel that clips, a lag of which a film stood in the way; a second support in a contact that slides
 /// sideways, a frequency whose deviation no error shows, a grid that was made finer once where twice was needed, a law bent by a resonance, a cube that dampings had
 /// taken up, one that yields, a support that rubs, a damping that a coarse grid bent, and a bent reading whose mean hid a structure that was off.
-const MENDED: [(u64, &str); 47] = [
+const MENDED: [(u64, &str); 46] = [
     (251, "clean 2 lugre rotation"),
     (251, "structure.quadratic-damping 1 hybrid transverse"),
     (251, "unlisted:structure/even-stiffness 1 dahl transverse"),
@@ -64,7 +64,6 @@ const MENDED: [(u64, &str); 47] = [
     (303, "clean 53 coulomb rotation"),
     (303, "clean 99 stribeck transverse"),
     (303, "friction.position-periodic/triangle 1 hybrid transverse"),
-    (261, "excitation.base-motion 1 hybrid rotation"),
     (303, "measurement.clipping/soft 2 hybrid transverse"),
     (304, "structure.frequency-drift/settling 1 dahl rotation"),
     (304, "structure.frequency-drift/settling 1 hybrid transverse"),
