@@ -6,7 +6,7 @@ use num_complex::Complex64;
 
 mod regression;
 
-pub(crate) use regression::{Answer, linear, range, regress, regress_resting, thresholds};
+pub(crate) use regression::{Answer, CUBIC_BELOW, linear, range, regress, regress_resting, thresholds};
 use regression::{left_by, mean_force, stopped, with_gap};
 
 /// Samples of a period on which laws of the force are tried.

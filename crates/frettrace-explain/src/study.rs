@@ -182,7 +182,7 @@ impl<'a> Study<'a> {
     /// [`ExplainError::Fit`] where the model has no solution at the start.
     pub fn fit(
         &self,
-        setting: Setting,
+        mut setting: Setting,
         unknowns: &[Unknown],
         warm: &Memory,
         most: usize,
@@ -196,7 +196,6 @@ impl<'a> Study<'a> {
             absolute_tolerance: 0.3,
             ..FitSettings::default()
         };
-        let mut setting = setting;
         let mut problem = self.training_problem(setting.clone(), &unknowns, warm);
         let mut memory = warm.clone();
         self.begin(&setting, &self.training, &mut memory);

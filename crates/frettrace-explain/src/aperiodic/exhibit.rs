@@ -40,11 +40,11 @@ pub(super) fn exhibit(
     let (cycle, cycles) = largest_cycle(&slip[settled..]);
     let drawn = settled + cycle.start..settled + cycle.end;
     let stride = drawn.len().div_ceil(POINTS).max(1);
-    let of = |motion: &Motion, force: &[f64]| {
+    let of = |motion: &Motion, slip: &[f64], force: &[f64]| {
         let part = |signal: &[f64]| without_mean(&signal[drawn.clone()]).step_by(stride).collect();
         let power = force.iter().zip(&motion.velocity).skip(settled).map(|(force, v)| force * v);
         Loop {
-            slip: part(&run.faster(&motion.slip)),
+            slip: part(slip),
             velocity: part(&motion.velocity),
             force: part(force),
             energy: dt * power.sum::<f64>() / cycles,
@@ -54,8 +54,8 @@ pub(super) fn exhibit(
         run: run.index,
         held_out,
         time: drawn.clone().step_by(stride).map(|k| k as f64 * dt).collect(),
-        recovered: of(&after.0, &after.0.force),
-        modelled: [of(&before.0, &before.1), of(&after.0, &after.1)],
+        recovered: of(&after.0, &slip, &after.0.force),
+        modelled: [of(&before.0, &run.faster(&before.0.slip), &before.1), of(&after.0, &slip, &after.1)],
     }
 }
 

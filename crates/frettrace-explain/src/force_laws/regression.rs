@@ -11,6 +11,8 @@ const THRESHOLDS: usize = 24;
 /// Powers of the velocity that are nearer to its square than to the velocity itself or its cube: with a power of 1 damping is
 /// viscous, whatever its name.
 const POWERS: (f64, f64) = (1.5, 2.5);
+/// A spring that does not yield below this many of the largest displacement is a cubic one.
+pub(crate) const CUBIC_BELOW: f64 = 3.0;
 
 /// What a law makes of recovered forces.
 pub(crate) struct Answer {
@@ -35,13 +37,12 @@ fn largest(histories: &[History], of: impl Fn(&History) -> &Vec<f64>) -> f64 {
 pub(crate) fn thresholds(histories: &[History], law: PortLaw) -> Option<(f64, f64)> {
     Some(match law {
         PortLaw::Yielding => {
-            // A spring that yields in every run is a linear one: half of them must be left to show the cube. One that does not
-            // yield below three times the motion is a cubic one.
+            // A spring that yields in every run is a linear one: half of them must be left to show the cube.
             let mut peaks: Vec<f64> =
                 histories.iter().map(|h| largest(std::slice::from_ref(h), |h| &h.displacement)).collect();
             peaks.sort_by(f64::total_cmp);
             let middle = peaks.get(peaks.len() / 2).copied().unwrap_or_default();
-            (middle, 3.0 * largest(histories, |h| &h.displacement))
+            (middle, CUBIC_BELOW * largest(histories, |h| &h.displacement))
         }
         PortLaw::Power => POWERS,
         PortLaw::Friction => {

@@ -6,7 +6,7 @@ use super::{BALANCE_CALIBRATED, BALANCE_CLOSED, EVIDENCE, PROXY, Rival, Search, 
 use crate::balance_fit::BalanceCandidate;
 use crate::contact_search::ContactCandidate;
 use crate::effects::ALL;
-use crate::force_laws::thresholds;
+use crate::force_laws::{CUBIC_BELOW, thresholds};
 use crate::search::{Asked, Explained};
 use crate::study::merge;
 use crate::{ExplainError, Unknown};
@@ -30,8 +30,8 @@ const TOGETHER: usize = 60;
 const DEVIATES: f64 = 4.0;
 
 /// Displacement at which a cubic spring yields, over the largest on the beam: the least, where a fit starts, and the most. One that yields below
-/// half the motion is a linear one, one that does not below three times it is cubic.
-const YIELDS: [f64; 3] = [0.5, 1.5, 3.0];
+/// half the motion is a linear one.
+const YIELDS: [f64; 3] = [0.5, 1.5, CUBIC_BELOW];
 
 /// Turns in which a fit and where its runs rest agree.
 const REST_ROUNDS: usize = 3;

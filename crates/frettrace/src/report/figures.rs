@@ -88,9 +88,9 @@ fn waveform(channel: &Waveform, view: View) -> Vec<Figure> {
         };
         Figure::new(format!("{name}-{}", channel.run), Kind::Signals, chart.picture(view.ink))
     };
-    let read = view.contact || channel.channel.starts_with("acceleration");
+    let origin = if channel.is_recovered { "recovered" } else { "measured" };
     let signal = vec![
-        curve(if read { "measured" } else { "recovered" }, Role::Measured, &channel.measured),
+        curve(origin, Role::Measured, &channel.measured),
         curve("declared model", Role::Before, &channel.before),
         curve("with the effects", Role::After, &channel.after),
     ];

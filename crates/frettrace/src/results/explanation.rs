@@ -206,10 +206,13 @@ pub struct Waveform {
     pub held_out: bool,
     /// What is shown, with its unit: `acceleration of sensor 3 (m/s²)`.
     pub channel: String,
+    /// Whether the channel was recovered from accelerations; else a sensor read it.
+    #[serde(default)]
+    pub is_recovered: bool,
     /// Time (s).
     #[serde(with = "number::series")]
     pub time: Vec<f64>,
-    /// Measured.
+    /// Measured or recovered.
     #[serde(with = "number::series")]
     pub measured: Vec<f64>,
     /// Modelled by the declared model.

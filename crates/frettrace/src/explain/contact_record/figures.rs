@@ -113,6 +113,7 @@ fn waveform(shown: &Shown<'_>) -> Waveform {
         label: shown.part.label.clone(),
         held_out: shown.held_out,
         channel: "force [N]".to_owned(),
+        is_recovered: false,
         time: samples.iter().map(|k| rounded(history.time[*k])).collect(),
         measured: samples.iter().map(|k| rounded(history.force[*k])).collect(),
         before: modelled(shown, 0, &samples),
