@@ -20,7 +20,7 @@ use frettrace_friction::effects::{Hook, ModifiedLaw, ModifiedState};
 use frettrace_identify::{Fit, FitSettings, IdentifyError, Model, NoSolution, Parameter, Transform, fit};
 pub(crate) use leeway::{Leeway, Moved};
 pub(crate) use march::{LANES, columns};
-pub(crate) use mean::mean_force;
+pub(crate) use mean::{mean_force, places};
 use nalgebra::{DMatrix, DMatrixViewMut};
 use num_complex::Complex64;
 use std::borrow::Cow;
@@ -257,7 +257,8 @@ impl Recovered {
 #[derive(Clone)]
 pub(crate) struct Contacts {
     pub periodic: Vec<Recovered>,
-    pub series: Vec<Arc<SeriesContact>>,
+    /// The others, each with the index of its run.
+    pub series: Vec<(usize, Arc<SeriesContact>)>,
     /// What the structure leaves open in the periodic ones.
     pub leeway: Option<Arc<Leeway>>,
 }
@@ -282,6 +283,12 @@ impl Contacts {
         Self { periodic: self.periodic.iter().map(Recovered::softened).collect(), ..self.clone() }
     }
 
+    /// RMS of the slip (m) of every run, each with the index of its run.
+    fn strokes(&self) -> impl Iterator<Item = (usize, f64)> {
+        let periodic = self.periodic.iter().map(|run| (run.run, run.stroke()));
+        periodic.chain(self.series.iter().map(|(run, series)| (*run, series.stroke())))
+    }
+
     /// The periodic runs; the others too, where the periodic ones are the fewer.
     pub fn steady(&self) -> Self {
         let few = self.periodic.len() < self.series.len();
@@ -291,7 +298,7 @@ impl Contacts {
 }
 
 /// A law with some of its hooks free, against recovered contacts. Where its friction depends on the contact's place, the mean slip of
-/// every periodic run is free too: values behind those of the hooks.
+/// every run is free too, the periodic ones first: values behind those of the hooks.
 pub(crate) struct ContactProblem<'a> {
     recovered: &'a Contacts,
     law: ModifiedLaw<f64>,
@@ -313,8 +320,8 @@ impl<'a> ContactProblem<'a> {
         (hooks, mut parameters): (Vec<Hook>, Vec<Parameter>),
     ) -> Self {
         if law.depends_on_place() {
-            parameters.extend(recovered.periodic.iter().map(|run| Parameter {
-                transform: Transform::Linear { scale: MEAN_SCALE * run.stroke() },
+            parameters.extend(recovered.strokes().map(|(_, stroke)| Parameter {
+                transform: Transform::Linear { scale: MEAN_SCALE * stroke },
                 ..Parameter::positive("mean_slip", "m", FREE)
             }));
         }
@@ -356,19 +363,21 @@ impl<'a> ContactProblem<'a> {
 
     /// The same, each with the index of its run.
     pub fn mean_slips(&self, values: &[f64]) -> Vec<(usize, f64)> {
-        self.recovered.periodic.iter().map(|run| run.run).zip(self.means(values).iter().copied()).collect()
+        self.recovered.strokes().map(|(run, _)| run).zip(self.means(values).iter().copied()).collect()
     }
 
-    /// Mean slips (m) of all runs to begin from, nothing where none is known.
+    /// Mean slips (m) of all runs to begin from: of runs without a period where none is known that of the periodic one which slips most, else
+    /// nothing.
     pub fn means_from(&self, known: &[(usize, f64)]) -> Vec<f64> {
         if !self.law.depends_on_place() {
             return Vec::new();
         }
-        let of = |contact: &Recovered| {
-            let before = known.iter().find(|(run, _)| *run == contact.run).map(|(_, mean)| *mean);
-            before.unwrap_or_default()
-        };
-        self.recovered.periodic.iter().map(of).collect()
+        let before = |run: usize| known.iter().find(|(other, _)| *other == run).map(|(_, mean)| *mean);
+        let most = self.recovered.periodic.iter().max_by(|a, b| a.stroke().total_cmp(&b.stroke()));
+        let beside = most.and_then(|most| before(most.run)).unwrap_or_default();
+        let periodic = self.recovered.periodic.iter().map(|one| before(one.run).unwrap_or_default());
+        let others = self.recovered.series.iter().map(|(run, _)| before(*run).unwrap_or(beside));
+        periodic.chain(others).collect()
     }
 
     /// Rows of the lines of periodic runs: counted without means, and in the residual.
@@ -404,7 +413,7 @@ impl<'a> ContactProblem<'a> {
             at = rows.end;
             states.push(recovered.residual(&law, self.modulation, &mut residual[rows]));
         }
-        for series in &self.recovered.series {
+        for (series, _) in self.placed_series(values) {
             series.residual(&law, &mut residual[at..at + series.count()]);
             at += series.count();
         }
@@ -420,6 +429,16 @@ impl<'a> ContactProblem<'a> {
             let rows = at..at + run.count();
             at = rows.end;
             (run, rows)
+        })
+    }
+
+    /// The others with theirs, each with the place of its mean slip among the values.
+    fn placed_series(&self, values: &[f64]) -> impl Iterator<Item = (Cow<'a, SeriesContact>, usize)> {
+        let first = self.hooks.len() + self.recovered.periodic.len();
+        let means = values.get(first..).unwrap_or_default().to_vec();
+        self.recovered.series.iter().enumerate().map(move |(k, (_, series))| {
+            let around = |mean: &f64| Cow::Owned(series.around(*mean));
+            (means.get(k).map_or(Cow::Borrowed(&**series), around), first + k)
         })
     }
 }
@@ -444,7 +463,7 @@ impl Model for ContactProblem<'_> {
         let placed = self.law.depends_on_place();
         let lines = |run: &Recovered| run.count() + if placed { 2 } else { 0 };
         let periodic: usize = self.recovered.periodic.iter().map(lines).sum();
-        periodic + self.recovered.series.iter().map(|s| s.count()).sum::<usize>()
+        periodic + self.recovered.series.iter().map(|(_, series)| series.count()).sum::<usize>()
     }
 
     fn memory(&self) -> Settled {
@@ -492,10 +511,18 @@ impl Model for ContactProblem<'_> {
             }
             at = rows.end;
         }
-        for series in &self.recovered.series {
+        for (series, column) in self.placed_series(values) {
             let rows = at..at + series.count();
             let part = (&mut residual[rows.clone()], jacobian.rows_mut(rows.start, rows.len()));
             series.linearise(&law, &hooks, part);
+            if free.get(column).is_some_and(|free| *free) {
+                let distance = MEAN_STEP * MEAN_SCALE * series.stroke();
+                let mut moved = vec![0.0; rows.len()];
+                series.around(distance).residual(&law, &mut moved);
+                for (row, moved) in rows.clone().zip(moved) {
+                    jacobian[(row, column)] = (moved - residual[row]) / distance;
+                }
+            }
             at = rows.end;
         }
         if let Some(leeway) = &self.recovered.leeway {

@@ -2,7 +2,7 @@
 
 use crate::Study;
 use crate::contact_fit::{ContactProblem, Contacts, Leeway, Moved, Recovered, mean_force, recover};
-use crate::effects::{ALL, ContactForm, Effect, apply, shaped};
+use crate::effects::{ALL, ContactForm, Effect, apply, set_by_forms, shaped};
 use crate::law_starts::starts;
 use crate::study::{as_declared, merge};
 use crate::verdict::EVIDENCE;
@@ -86,7 +86,7 @@ impl Study<'_> {
         beside: Beside,
     ) -> Result<Contacts, ExplainError> {
         let periodic = self.recovered_runs(setting, &self.training, beside)?;
-        let series = self.series.iter().filter(|_| as_declared(setting)).map(|(_, contact)| contact.clone());
+        let series = self.series.iter().filter(|_| as_declared(setting)).cloned();
         let leeway = self.leeway(setting, &periodic, beside)?.map(Arc::new);
         Ok(Contacts { periodic, series: series.collect(), leeway })
     }
@@ -211,6 +211,50 @@ impl Study<'_> {
         let form = (from.effect, &ContactForm::new(Vec::new()));
         let found = self.contact_steps(recovered, &setting, &unknowns, form, (Some(&begun), ALL_STEPS))?;
         (found.criterion + EVIDENCE < from.criterion).then_some(found)
+    }
+
+    /// The forms of an effect on the recovered contacts, each from the law that the effect was found with and without its `own` values, best
+    /// first: those that do better there than the form which that law has.
+    pub(crate) fn better_forms(
+        &self,
+        recovered: &Contacts,
+        setting: &Setting,
+        law_unknowns: &[Unknown],
+        (effect, own): (usize, &[Unknown]),
+    ) -> Vec<ContactCandidate> {
+        let as_it_is = ContactForm::new(Vec::new());
+        let known = merge(law_unknowns, own);
+        let current = self.contact_candidate(recovered, setting, &known, (effect, &as_it_is), ALL_STEPS);
+        let Some(current) = current else { return Vec::new() };
+        let mut bare = setting.clone();
+        own.iter().for_each(|unknown| {
+            bare.clear(unknown.quantity);
+        });
+        set_by_forms(effect, &setting.law, &self.scales).for_each(|hook| bare.law.clear(hook));
+        let forms = ALL[effect].contact_forms(&bare.law, &self.scales);
+        let quick = recovered.quick();
+        let glance = |form: &ContactForm| {
+            let begun = self.contact_steps(&quick, &bare, law_unknowns, (effect, form), (None, BEGIN))?;
+            Some((begun.criterion, form.clone()))
+        };
+        let mut begun: Vec<(f64, ContactForm)> = forms.par_iter().filter_map(glance).collect();
+        begun.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // One start of each formula goes on.
+        let formula = |form: &ContactForm| form.changes.iter().map(|change| change.hook).collect::<Vec<_>>();
+        let mut formulas = Vec::new();
+        begun.retain(|(_, form)| {
+            let is_new = !formulas.contains(&formula(form));
+            formulas.push(formula(form));
+            is_new
+        });
+        let fitted = begun.par_iter().filter_map(|(_, form)| {
+            let plain = self.contact_candidate(recovered, &bare, law_unknowns, (effect, form), ALL_STEPS)?;
+            Some(self.contact_shape(recovered, &bare, &plain).unwrap_or(plain))
+        });
+        let mut found: Vec<ContactCandidate> = fitted.collect();
+        found.retain(|one| one.criterion + EVIDENCE < current.criterion);
+        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        found
     }
 
     /// Every effect of the contact on the recovered contacts, best first, one form each; `reduced` is the χ² per residual that the

@@ -4,7 +4,7 @@
 //! the recovered force in the bins the sensors know. The record is tapered, so that the unknown state at its start, a
 //! tenth of it, does not matter.
 
-use crate::contact_fit::{LANES, columns};
+use crate::contact_fit::{LANES, columns, places};
 use frettrace_fourier::tapered_spectrum;
 use frettrace_friction::effects::{Circumstance, Hook, ModifiedLaw, Reached};
 use frettrace_friction::{Gradient, Scalar, Step};
@@ -158,6 +158,7 @@ const CLEAR: f64 = 0.01;
 pub(crate) const ACCURACY: f64 = 0.01;
 
 /// A run ready for comparison.
+#[derive(Clone)]
 pub(crate) struct SeriesContact {
     series: Series,
     /// Recovered force with the velocity's share, which a rigid contact takes as long as it holds; empty where the contact
@@ -246,8 +247,53 @@ impl SeriesContact {
         self.left(&plain, residual);
     }
 
-    /// χ² of a law.
+    /// The same motion around a mean slip (m), which no accelerometer sees.
+    pub fn around(&self, mean: f64) -> Self {
+        let mut moved = self.clone();
+        moved.series.slip.iter_mut().for_each(|slip| *slip += mean);
+        moved
+    }
+
+    /// RMS of the slip about its mean (m).
+    pub fn stroke(&self) -> f64 {
+        self.series.stroke()
+    }
+
+    /// Mean slip (m) around which a law whose friction depends on the place answers best: the best of the places that are tried, and on from
+    /// there.
+    fn mean_slip(&self, law: &ModifiedLaw<f64>) -> f64 {
+        let residual = |mean: f64| {
+            let mut left = DVector::zeros(self.count());
+            self.around(mean).residual(law, left.as_mut_slice());
+            left
+        };
+        let tried = places(law, self.stroke()).map(|mean| (residual(mean), mean));
+        let best = tried.min_by(|a, b| a.0.norm().total_cmp(&b.0.norm()));
+        let Some((mut left, mut mean)) = best else { return 0.0 };
+        let step = SLOW_STEP * self.stroke();
+        for _ in 0..SLOW_STEPS {
+            let slope = (residual(mean + step) - &left) / step;
+            let moved = mean - slope.dot(&left) / slope.norm_squared().max(f64::MIN_POSITIVE);
+            let after = residual(moved);
+            if after.norm() >= SLOW_DONE * left.norm() || !after.norm().is_finite() {
+                break;
+            }
+            (mean, left) = (moved, after);
+        }
+        mean
+    }
+
+    /// χ² of a law, where its friction depends on the place around the mean slip with which it answers best.
     pub fn cost(&self, law: &ModifiedLaw<f64>) -> f64 {
+        if law.depends_on_place() {
+            self.around(self.mean_slip(law)).cost_here(law)
+        } else {
+            self.cost_here(law)
+        }
+    }
+
+    /// χ² of a law on the motion as it is.
+    fn cost_here(&self, law: &ModifiedLaw<f64>) -> f64 {
         let mut left = vec![0.0; self.count()];
         self.residual(law, &mut left);
         let sum: f64 = left.iter().map(|r| r * r).sum();
@@ -256,11 +302,25 @@ impl SeriesContact {
 
     /// Relative RMS of recovered minus answered force in the bins compared, beside a motion of the contact that is as slow as the record
     /// and that accelerometers do not see: `Σ a_j cos(jπt/T)` with amplitudes that make the error least. A friction force answers to
-    /// such a motion in all bins.
+    /// such a motion in all bins, and to where the contact rests (`j = 0`) if it depends on the place.
     pub fn error(&self, law: &ModifiedLaw<f64>) -> f64 {
+        if law.depends_on_place() {
+            // One place may be a valley of its own.
+            [0.0, self.mean_slip(law)]
+                .map(|mean| self.error_from(law, mean))
+                .into_iter()
+                .fold(f64::INFINITY, f64::min)
+        } else {
+            self.error_from(law, 0.0)
+        }
+    }
+
+    /// The same with a motion that is sought from a mean slip (m).
+    fn error_from(&self, law: &ModifiedLaw<f64>, mean: f64) -> f64 {
         let size: f64 = self.bins.iter().map(|(k, _)| self.measured[*k].norm_sqr()).sum();
         let relative = |left: &DVector<f64>| left.norm() / size.max(f64::MIN_POSITIVE).sqrt();
-        let mut motion = [0.0; SLOW];
+        let mut motion = [0.0; SLOW + 1];
+        motion[0] = mean;
         let mut left = self.left_beside(law, &motion);
         // A rigid contact is driven by its velocity and by its force together.
         let held = !self.trial.is_empty();
@@ -268,8 +328,9 @@ impl SeriesContact {
             return relative(&left);
         }
         let step = SLOW_STEP * self.series.stroke();
+        let first = usize::from(!law.depends_on_place());
         for _ in 0..SLOW_STEPS {
-            let beside: Vec<DVector<f64>> = (0..SLOW)
+            let beside: Vec<DVector<f64>> = (first..=SLOW)
                 .map(|j| {
                     let mut moved = motion;
                     moved[j] += step;
@@ -282,7 +343,8 @@ impl SeriesContact {
             }
             let Ok(change) = tangents.svd(true, true).solve(&left, 0.0) else { break };
             let better = [1.0, 0.3, 0.1].into_iter().find_map(|share| {
-                let moved = std::array::from_fn(|j| motion[j] - share * change[j]);
+                let mut moved = motion;
+                moved[first..].iter_mut().zip(&change).for_each(|(a, change)| *a -= share * change);
                 let after = self.left_beside(law, &moved);
                 (after.norm() < left.norm()).then_some((moved, after))
             });
@@ -297,7 +359,7 @@ impl SeriesContact {
     }
 
     /// Recovered minus answered force (N) in the bins compared, with a slow motion beside the recovered one.
-    fn left_beside(&self, law: &ModifiedLaw<f64>, motion: &[f64; SLOW]) -> DVector<f64> {
+    fn left_beside(&self, law: &ModifiedLaw<f64>, motion: &[f64; SLOW + 1]) -> DVector<f64> {
         let moved =
             if motion.iter().all(|a| *a == 0.0) { self.answer(law) } else { self.answer_beside(law, motion) };
         let answered = Series::amplitudes(&moved);
@@ -305,12 +367,12 @@ impl SeriesContact {
         DVector::from_iterator(self.count(), left.flat_map(|left| [left.re, left.im]))
     }
 
-    fn answer_beside(&self, law: &ModifiedLaw<f64>, motion: &[f64; SLOW]) -> Vec<f64> {
+    fn answer_beside(&self, law: &ModifiedLaw<f64>, motion: &[f64; SLOW + 1]) -> Vec<f64> {
         let mut series = self.series.clone();
         let rate = PI / (series.dt * series.slip.len() as f64);
         for (k, (slip, velocity)) in series.slip.iter_mut().zip(&mut series.velocity).enumerate() {
             for (j, amplitude) in motion.iter().enumerate() {
-                let number = rate * (j + 1) as f64;
+                let number = rate * j as f64;
                 let (sine, cosine) = (number * k as f64 * self.series.dt).sin_cos();
                 *slip += amplitude * cosine;
                 *velocity -= amplitude * number * sine;
@@ -391,15 +453,45 @@ mod tests {
         let [plain, falling] = laws();
         let mut recovered = series(&falling);
         let whole = SeriesContact::new(&recovered, pressed(20.0), (false, usize::MAX)).unwrap();
-        let mut drift = [0.0; SLOW];
-        (drift[0], drift[2], drift[6]) = (4e-4, -1e-4, 5e-5);
+        let mut drift = [0.0; SLOW + 1];
+        (drift[1], drift[3], drift[7]) = (4e-4, -1e-4, 5e-5);
         recovered.force = whole.answer_beside(&falling, &drift);
         let contact = SeriesContact::new(&recovered, pressed(20.0), (false, usize::MAX)).unwrap();
         let size: f64 = contact.bins.iter().map(|(k, _)| contact.measured[*k].norm_sqr()).sum();
-        let blind = contact.left_beside(&falling, &[0.0; SLOW]).norm() / size.sqrt();
+        let blind = contact.left_beside(&falling, &[0.0; SLOW + 1]).norm() / size.sqrt();
         assert!(blind > 0.1, "{blind}");
         assert!(contact.error(&falling) < 0.01, "{}", contact.error(&falling));
         assert!(contact.error(&plain) > 0.05, "{}", contact.error(&plain));
+    }
+
+    /// Friction that falls along the path, of a contact that rests most of a stroke away from where the recovered motion has its mean, marched
+    /// in steps a quarter as long: the law around that mean misses a tenth of the force and more, and a hundredth around the place that is found.
+    #[test]
+    fn where_a_contact_rests_is_found_if_its_friction_depends_on_the_place() {
+        let [mut law, _] = laws();
+        law.set(Hook::Position, -2e3);
+        let recovered = series(&law);
+        let (fine, offset) = (4, 7e-5);
+        let mut moved = recovered.clone();
+        moved.dt /= f64::from(fine);
+        let tones = |t: f64| {
+            let (a, b) = (2.0 * PI * 20.0, 2.0 * PI * 13.7);
+            let slip = 1e-4 * ((a * t).sin() + 0.6 * (b * t).cos());
+            (offset + slip, 1e-4 * (a * (a * t).cos() - 0.6 * b * (b * t).sin()))
+        };
+        let samples = recovered.slip.len() * fine as usize;
+        (moved.slip, moved.velocity) = (0..samples).map(|k| tones(k as f64 * moved.dt)).unzip();
+        moved.normal = vec![20.0; samples];
+        let force = moved.answer(&law, &pressed(20.0), None);
+        let seen = Series { force: force.into_iter().step_by(fine as usize).collect(), ..recovered };
+        let contact = SeriesContact::new(&seen, pressed(20.0), (false, usize::MAX)).unwrap();
+        let size: f64 = contact.bins.iter().map(|(k, _)| contact.measured[*k].norm_sqr()).sum();
+        let blind = contact.left_beside(&law, &[0.0; SLOW + 1]).norm() / size.sqrt();
+        assert!(blind > 0.1, "{blind}");
+        assert!((contact.mean_slip(&law) - offset).abs() < 0.02 * offset, "{:e}", contact.mean_slip(&law));
+        assert!(contact.error(&law) < 0.01, "{}", contact.error(&law));
+        let count = contact.count() as f64;
+        assert!(contact.cost_here(&law) > 100.0 * count && contact.cost(&law) < count);
     }
 
     /// A rigid contact under two incommensurable tones that holds whatever is slower than a fifth of the largest speed, and takes a

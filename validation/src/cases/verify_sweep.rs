@@ -23,7 +23,7 @@ const QUICK: f64 = 1.0;
 /// lines near half the sampling rate of a channel that clips, a lag of which a film stood in the way; a second support in a contact that slides
 /// sideways, a frequency whose deviation no error shows, a grid that was made finer once where twice was needed, a law bent by a resonance, a cube that dampings had
 /// taken up, one that yields, a support that rubs, a damping that a coarse grid bent, and a bent reading whose mean hid a structure that was off.
-const MENDED: [(u64, &str); 46] = [
+const MENDED: [(u64, &str); 49] = [
     (251, "clean 2 lugre rotation"),
     (251, "structure.quadratic-damping 1 hybrid transverse"),
     (251, "unlisted:structure/even-stiffness 1 dahl transverse"),
@@ -70,6 +70,9 @@ const MENDED: [(u64, &str); 46] = [
     (305, "structure.modal-frequency 1 hybrid transverse"),
     (305, "friction.position-periodic 1 hybrid transverse"),
     (305, "friction.breakaway/straight 2 lugre transverse"),
+    (261, "friction.position/saturating 2 hybrid transverse"),
+    (306, "friction.position/saturating 2 hybrid transverse"),
+    (306, "friction.lag/saturating 2 hybrid transverse"),
 ];
 
 fn run() -> anyhow::Result<Outcome> {

@@ -13,16 +13,20 @@ const SOUGHT: f64 = 2.0;
 const PLACES: usize = 3;
 const MEAN_STEPS: usize = 8;
 
+/// Mean slips (m) that are tried for a motion of so large a slip (m, RMS).
+pub(crate) fn places(law: &ModifiedLaw<f64>, stroke: f64) -> impl Iterator<Item = f64> {
+    let wave = law.get(Hook::PeriodicNumber).map(|number| std::f64::consts::TAU / number);
+    let (size, share) = wave.map_or((stroke, OF_STROKE), |wave| (wave, OF_WAVE));
+    let most = (SOUGHT / share).floor() as i32;
+    (-most..=most).map(move |k| f64::from(k) * share * size)
+}
+
 impl Recovered {
     /// Mean slips (m), those that a law answers best first.
     fn places(&self, (law, modulation): (ModifiedLaw<f64>, FrequencyRatio)) -> Vec<f64> {
-        let wave = law.get(Hook::PeriodicNumber).map(|number| std::f64::consts::TAU / number);
-        let (size, share) = wave.map_or((self.stroke(), OF_STROKE), |wave| (wave, OF_WAVE));
-        let most = (SOUGHT / share).floor() as i32;
         let mut left = vec![0.0; self.around(0.0).count()];
-        let mut tried: Vec<(f64, f64)> = (-most..=most)
-            .map(|k| {
-                let mean = f64::from(k) * share * size;
+        let mut tried: Vec<(f64, f64)> = places(&law, self.stroke())
+            .map(|mean| {
                 self.around(mean).residual(&law, modulation, &mut left);
                 (left.iter().map(|r| r * r).sum(), mean)
             })

@@ -2,6 +2,9 @@ use super::mean::mean_slip;
 use super::*;
 use crate::Scales;
 use crate::effects::ALL;
+use crate::series_fit::Series;
+use frettrace_friction::effects::Circumstance;
+use nalgebra::DVector;
 use std::f64::consts::TAU;
 
 /// A slip of two lines under a normal force that varies: in periods of 50 ms it goes 20 µm to and fro.
@@ -233,6 +236,53 @@ fn directions(
     };
     let columns = [first, second].map(|moved| left(moved) - left(plain));
     DMatrix::from_columns(&columns.map(|column| column.column(0).into_owned()))
+}
+
+/// A run without a period beside one with: its mean slip is a value of its own, by which the residual changes as differences say; it begins where
+/// the periodic run rests.
+#[test]
+fn a_run_without_a_period_rests_somewhere_too() {
+    let mut law = laws()[0];
+    law.set(Hook::Position, 0.3 / 2.6e-5);
+    let (dt, samples) = (1.0 / 2048.0, 2048);
+    let tone = |rate: f64, k: usize| TAU * rate * k as f64 * dt;
+    let slip = |k: usize| 2e-5 * (tone(20.0, k).sin() + 0.6 * tone(13.7, k).cos());
+    let velocity = |k: usize| 2e-5 * TAU * (20.0 * tone(20.0, k).cos() - 0.6 * 13.7 * tone(13.7, k).sin());
+    let mut series = Series {
+        dt,
+        slip: (0..samples).map(slip).collect(),
+        velocity: (0..samples).map(velocity).collect(),
+        normal: vec![50.0; samples],
+        force: Vec::new(),
+        deviation: vec![1e-3; samples / 2 + 1],
+        open_share: 0.0,
+    };
+    let pressed = Circumstance { preload: 50.0, ..Circumstance::default() };
+    series.force = series.answer(&law, &pressed, None);
+    let contact = SeriesContact::new(&series, pressed, (false, usize::MAX)).unwrap();
+    let recovered =
+        Contacts { periodic: vec![motion(false)], series: vec![(5, Arc::new(contact))], leeway: None };
+    let hooks = vec![Hook::Sigma0, Hook::MuKinetic, Hook::Position];
+    let problem = ContactProblem::new(&recovered, (law, FrequencyRatio::ONE), (hooks.clone(), Vec::new()));
+    assert_eq!(problem.means_from(&[(0, 4e-6)]), [4e-6, 4e-6]);
+    assert_eq!(problem.means_from(&[(0, 4e-6), (5, 1e-6)]), [4e-6, 1e-6]);
+    let values: Vec<f64> = hooks.iter().filter_map(|h| law.get(*h)).chain([4e-6, 3e-6]).collect();
+    assert_eq!(problem.mean_slips(&values), [(0, 4e-6), (5, 3e-6)]);
+    let rows = problem.residual_count();
+    let (mut residual, mut jacobian) = (vec![0.0; rows], DMatrix::zeros(rows, values.len()));
+    problem.linearise(&values, &[true; 5], &mut problem.memory(), (&mut residual, &mut jacobian)).unwrap();
+    let moved = |by: f64| {
+        let mut values = values.clone();
+        values[4] += by;
+        let mut out = vec![0.0; rows];
+        problem.residual(&values, &mut problem.memory(), &mut out).unwrap();
+        DVector::from_vec(out)
+    };
+    let slope = (moved(1e-9) - moved(-1e-9)) / 2e-9;
+    let column = jacobian.column(4);
+    assert!(column.norm() > 0.0 && (&slope - column).norm() < 1e-2 * slope.norm());
+    // Rows of the periodic run do not know of it.
+    assert!(column.iter().take(recovered.periodic[0].count() + 2).all(|x| *x == 0.0));
 }
 
 /// A contact that slides in every run: after a reversal a Dahl bristle loses its force over `ln 2` of `μ/σ0`, an elastic one over less, so

@@ -17,6 +17,9 @@ const GLANCE: usize = 2;
 /// Forms that are fitted further, and the steps after which the hopeless are left.
 const LOOK: usize = 8;
 const PART: usize = 10;
+/// … unless they are still on their way, and no farther than so many times from the best: a memory of its own needs more steps to come to its rate
+/// than a film that stands in for it.
+const FAR: f64 = 10.0;
 /// Forms of one effect among these, and those of every effect that are looked at in any case.
 const LOOKS_OF_ONE: usize = 3;
 const CERTAIN: usize = 2;
@@ -102,7 +105,7 @@ impl Study<'_> {
         let best = part.iter().map(|(one, _)| one.criterion).fold(f64::INFINITY, f64::min);
         let apart = softened || steady.series.len() < recovered.series.len();
         let end = |one: (ContactCandidate, usize)| {
-            let near = within_reach(one.0.criterion, best);
+            let near = within_reach(one.0.criterion, best) || one.0.open && one.0.criterion < FAR * best;
             match (near && (apart || one.0.open), apart) {
                 (true, _) => {
                     let recovered = recovered.around(&one.0.law, one.0.modulation);

@@ -114,6 +114,30 @@ impl Search<'_> {
         }
     }
 
+    /// The last effect of a model that has most of what was `lacked`, in another of its forms where that does better on the contacts recovered
+    /// with it: the forms were tried on a law that missed the contacts by far, and from there the right one may lead nowhere.
+    fn reformed(&mut self, from: &Explained, model: Explained, lacked: f64) -> Explained {
+        let Some(&effect) = model.effects.last() else { return model };
+        let fits = model.complete() && model.left().is_noise() && !self.series_contradicts(&model);
+        if fits || model.excess() > PROXY * lacked {
+            return model;
+        }
+        let setting = self.unbent(&model);
+        let Ok(recovered) = self.study.recovered(&setting) else { return model };
+        let (law, _) = Unknown::parted(&merge(&self.study.case.unknowns(), &from.added));
+        let (own, _) = Unknown::parted(model.own(model.effects.len() - 1));
+        let forms = self.study.better_forms(&recovered, &setting, &law, (effect, &own));
+        let asked = self.study.contact_round(from, &forms);
+        let better = self.answered(asked).into_iter().min_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        match better.filter(|better| better.criterion + EVIDENCE < model.criterion) {
+            Some(better) => {
+                let better = self.further(better, lacked);
+                self.shaped(better, lacked)
+            }
+            None => model,
+        }
+    }
+
     fn contact_to_its_end(
         &mut self,
         current: &Explained,
@@ -123,6 +147,7 @@ impl Search<'_> {
         let lacked = current.excess();
         let best = self.further(best, lacked);
         let best = self.shaped(best, lacked);
+        let best = self.reformed(current, best, lacked);
         if best.complete() {
             return Ok(Some(best));
         }
@@ -132,6 +157,7 @@ impl Search<'_> {
         let shaped = others.filter_map(|other| {
             let mut search = self.clone();
             let other = search.shaped(other, lacked);
+            let other = search.reformed(current, other, lacked);
             other.complete().then_some((search, other))
         });
         let Some((search, found)) = shaped.min_by(|a, b| a.1.criterion.total_cmp(&b.1.criterion)) else {

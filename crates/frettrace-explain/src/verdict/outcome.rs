@@ -1,7 +1,9 @@
 //! What is said in the end: verdict, names, place, errors and what a reader must know.
 
 use super::finer::RIGID_ACCURACY;
-use super::rules::{helps, is_followed, may_be, stays_with_contact, stays_with_sensor, takes_all};
+use super::rules::{
+    helps, is_as_near, is_followed, may_be, stays_with_contact, stays_with_sensor, takes_all,
+};
 use super::{BALANCE_CALIBRATED, BORNE_OUT, EVIDENCE, FORETOLD, HELD_OUT, Rival, Search};
 use crate::effects::{ALL, EffectPlace};
 use crate::left::LeftLines;
@@ -226,7 +228,7 @@ impl Search<'_> {
             return false;
         }
         match self.other_formula {
-            true => after <= OTHER_FORMULA,
+            true => is_as_near(before, after),
             false => is_followed(before, after) || self.is_of_one_model(model, after),
         }
     }

@@ -2,7 +2,7 @@
 
 use super::{CONTRADICTED, FORETOLD, HELD_OUT, HELD_OUT_SHARE};
 use crate::left::LeftLines;
-use crate::search::{DOMINANT, REST, RIVALS, excess};
+use crate::search::{DOMINANT, OTHER_FORMULA, REST, RIVALS, excess};
 
 /// Share of what a closed balance holds beside the noise that one more free value a line may leave, where it is the place of what is
 /// missing.
@@ -36,6 +36,12 @@ pub(super) fn is_followed(before: f64, after: f64) -> bool {
     after <= FORETOLD || after <= CONTRADICTED && left <= REST || left <= DOMINANT
 }
 
+/// Whether runs held out are as near to a name with another formula as those that it was fitted to must be: their error over the noise before
+/// and after, within three times the noise or a thousandth of what was missing in them.
+pub(super) fn is_as_near(before: f64, after: f64) -> bool {
+    after <= OTHER_FORMULA || excess(after) <= DOMINANT * excess(before)
+}
+
 /// Whether a mechanism that is there may leave that: on the lines, and as a share of what was missing in all samples, from the excess before
 /// and after.
 pub(super) fn takes_all(left: LeftLines, [before, after]: [f64; 2]) -> bool {
@@ -56,7 +62,7 @@ pub(super) fn stays_with_sensor([own, others]: [LeftLines; 2]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{is_followed, may_be, stays_with_contact, stays_with_sensor, takes_all};
+    use super::{is_as_near, is_followed, may_be, stays_with_contact, stays_with_sensor, takes_all};
     use crate::left::LeftLines;
 
     /// χ² and residuals at the sensor with a named gain, and at the others, of three simulated rigs where that sensor hears another one;
@@ -102,6 +108,15 @@ mod tests {
         assert!(!is_followed(19.615, 1.290));
         assert!(is_followed(271.654, 1.145));
         assert!(is_followed(65.799, 1.058));
+    }
+
+    /// The same with another formula: friction that changes along the path by a hyperbolic tangent, in a power law's place (a simulated rig), and the
+    /// same error where a tenth as much was missing.
+    #[test]
+    fn a_name_with_another_formula_leaves_a_trace_in_held_out_runs() {
+        assert!(is_as_near(213.333, 3.86));
+        assert!(!is_as_near(67.5, 3.86));
+        assert!(is_as_near(10.0, 2.9));
     }
 
     /// The same of wear taken from the list, which a film stands in for, and of weak effects beside their own names: a cubic spring, a mode's
