@@ -22,7 +22,8 @@ const QUICK: f64 = 1.0;
 /// weakest runs hide, a name given up for a law that missed the runs held out, a rigid contact that chatters; a hum beside a third of the excitation,
 /// lines near half the sampling rate of a channel that clips, a lag of which a film stood in the way; a second support in a contact that slides
 /// sideways, a frequency whose deviation no error shows, a grid that was made finer once where twice was needed, a law bent by a resonance, a cube that dampings had
-/// taken up, one that yields, a support that rubs, a damping that a coarse grid bent, and a bent reading whose mean hid a structure that was off.
+/// taken up, one that yields, a support that rubs, a damping that a coarse grid bent, a bent reading whose mean hid a structure that was off; friction along the
+/// path with another formula, twice, in runs without a period that rest elsewhere, and a lag on its way that a film was ahead of.
 const MENDED: [(u64, &str); 49] = [
     (251, "clean 2 lugre rotation"),
     (251, "structure.quadratic-damping 1 hybrid transverse"),
