@@ -3,8 +3,10 @@ use super::*;
 use crate::Scales;
 use crate::effects::ALL;
 use crate::series_fit::Series;
+use frettrace_forward::accelerations::Quantity;
 use frettrace_friction::effects::Circumstance;
-use nalgebra::DVector;
+use frettrace_identify::Model;
+use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
 /// A slip of two lines under a normal force that varies: in periods of 50 ms it goes 20 µm to and fro.
