@@ -1,21 +1,26 @@
-//! The study: split, fits, errors.
+//! The study: split and fits.
 
 use crate::case::Scales;
 use crate::deviation::deviations;
-use crate::left::LeftLines;
 use crate::search::Explained;
 use crate::series_fit::{SeriesContact, asks_the_clock};
 use crate::split::{Split, by_level};
 use crate::start;
 use crate::support::SupportForce;
-use crate::{AccelerationFit, Case, RunRecord, Unknown};
+use crate::{AccelerationFit, Case, Unknown};
 use frettrace_forward::accelerations::{
-    AccelerationError, AccelerationModel, Memory, Prediction, Quantity, RunLines, SensorSetting, Setting,
+    AccelerationError, AccelerationModel, Memory, Quantity, SensorSetting, Setting,
 };
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 use frettrace_identify::{Fit, FitSettings, IdentifyError, fit_with_memory};
 use num_complex::Complex64;
 use std::sync::Arc;
+
+mod errors;
+mod grids;
+
+pub use errors::RunError;
+use grids::model_lines;
 
 /// Why nothing can be explained.
 #[derive(Debug, Clone, thiserror::Error)]
@@ -92,39 +97,6 @@ pub struct Fitted {
     pub memory: Memory,
     /// Standard deviations of the values, from the curvature.
     pub deviation: Vec<f64>,
-}
-
-/// Error of some runs.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct RunError {
-    /// Sum over samples and sensors of (measured − predicted)².
-    pub error: f64,
-    /// The same for a perfect model.
-    pub floor: f64,
-    /// Sum over samples and sensors of measured².
-    pub power: f64,
-    /// Number of samples in all sensors.
-    pub count: f64,
-}
-
-impl RunError {
-    /// Relative RMS error.
-    #[must_use]
-    pub fn relative(&self) -> f64 {
-        (self.error / self.power).sqrt()
-    }
-
-    /// Relative RMS of the noise.
-    #[must_use]
-    pub fn relative_floor(&self) -> f64 {
-        (self.floor / self.power).sqrt()
-    }
-
-    /// Error over floor.
-    #[must_use]
-    pub fn ratio(&self) -> f64 {
-        (self.error / self.floor).sqrt()
-    }
 }
 
 impl<'a> Study<'a> {
@@ -226,65 +198,6 @@ impl<'a> Study<'a> {
         (LEAST_LEFT..self.training.len()).contains(&training.len()).then(|| Self { training, ..self.clone() })
     }
 
-    /// The same study on a finer phase grid with twice the lines of contact force: kinks that a law with play, stops or a
-    /// steep rise makes need them. `None` where no run can have more.
-    ///
-    /// # Errors
-    /// [`ExplainError::Model`] where the grid cannot carry the lines.
-    pub fn refined(&self) -> Result<Option<Self>, ExplainError> {
-        let mut runs = self.model.runs.clone();
-        let mut finer = false;
-        for run in runs.iter_mut().filter(|run| 2 * run.contact_order <= FINEST_LINES) {
-            run.contact_order *= 2;
-            run.samples = (2 * run.samples).min(FINEST_SAMPLES);
-            finer = true;
-        }
-        let model = self.model.with_runs(runs)?;
-        Ok(finer.then(|| self.of_model(model)))
-    }
-
-    /// The same with twice the lines of contact force in the runs alone whose predictions on such a grid differ by more than a tenth
-    /// of the variance of their lines; `None` where there is no such run.
-    ///
-    /// # Errors
-    /// [`ExplainError::Model`] where the grid cannot carry the lines.
-    pub fn resolved(&self, fitted: &Fitted) -> Result<Option<Self>, ExplainError> {
-        let Some(finer) = self.refined()? else { return Ok(None) };
-        let all = self.all_runs();
-        let [coarse, fine] = [self, &finer].map(|study| study.predictions(fitted, &all));
-        let mut runs = self.model.runs.clone();
-        let mut cut_short = false;
-        for ((&run, coarse), fine) in all.iter().zip(&coarse).zip(&fine) {
-            let (Some(coarse), Some(fine)) = (coarse, fine) else { continue };
-            let lines = coarse.iter().flatten().zip(fine.iter().flatten());
-            let deviations = runs[run].deviation.iter().flatten();
-            let parts = lines.zip(deviations).map(|((coarse, fine), std)| ((coarse - fine) / std).norm_sqr());
-            if parts.sum::<f64>() > CUT_SHORT * self.residuals_of(&[run]) as f64 {
-                runs[run] = finer.model.runs[run].clone();
-                cut_short = true;
-            }
-        }
-        let model = self.model.with_runs(runs)?;
-        Ok(cut_short.then(|| self.of_model(model)))
-    }
-
-    /// Counts the error of the phase grid among the deviations of the lines. Twice the lines of force divide it by about three, so
-    /// that this grid leaves half of what parts its predictions from those of the `coarser` one.
-    pub fn doubt_grid(&mut self, coarser: &Self, fitted: &Fitted) {
-        let all = self.all_runs();
-        let [before, now] = [coarser, &*self].map(|study| study.predictions(fitted, &all));
-        for ((&run, before), now) in all.iter().zip(before).zip(now) {
-            let (Some(before), Some(now)) = (before, now) else { continue };
-            let known = &self.case.records[run].lines.deviation;
-            let lines = before.iter().zip(&now).zip(known).zip(&mut self.model.runs[run].deviation);
-            for (((before, now), known), deviation) in lines {
-                for (h, std) in deviation.iter_mut().enumerate() {
-                    *std = known[h].hypot((before[h] - now[h]).norm() * GRID_LEFT);
-                }
-            }
-        }
-    }
-
     /// A model fitted further to all runs, those held out among them: `None` where it is not complete on them.
     pub(crate) fn jointly(&self, model: &Explained) -> Option<Explained> {
         let mut all = self.clone();
@@ -296,18 +209,6 @@ impl<'a> Study<'a> {
     /// Runs that are fitted and runs that nothing is fitted to.
     pub(crate) fn all_runs(&self) -> Vec<usize> {
         self.training.iter().chain(&self.held_out).copied().collect()
-    }
-
-    fn of_model(&self, model: AccelerationModel) -> Self {
-        Self {
-            case: self.case,
-            model,
-            training: self.training.clone(),
-            held_out: self.held_out.clone(),
-            scales: self.scales,
-            series: self.series.clone(),
-            support: self.support.clone(),
-        }
     }
 
     /// χ² of the law on the runs that are not periodic. They were recovered with what is declared: where a model has another
@@ -334,188 +235,14 @@ impl<'a> Study<'a> {
         };
         runs.iter().map(of_run).sum()
     }
-
-    /// χ² of the runs held out: how well a model foretells them.
-    pub(crate) fn foretold(&self, fitted: &Fitted) -> f64 {
-        if self.held_out.is_empty() {
-            return 0.0;
-        }
-        self.residuals_of(&self.held_out) as f64 * self.error(fitted, &self.held_out).ratio().powi(2)
-    }
-
-    /// Predictions of the selected runs, with the force of a declared second support where it leaves least; `None` where a run's
-    /// balance does not close.
-    #[must_use]
-    pub fn predictions(&self, fitted: &Fitted, selected: &[usize]) -> Vec<Option<Prediction>> {
-        let mut memory = fitted.memory.clone();
-        self.begin(&fitted.setting, selected, &mut memory);
-        selected
-            .iter()
-            .map(|&run| {
-                let mut found = self.model.predict(&fitted.setting, &[run], &mut memory);
-                // Nothing was fitted to such a run, so that there is no solution of it to start from.
-                if found.is_err() && !self.training.contains(&run) {
-                    found = self.model.approach(&fitted.setting, &[run], &mut memory);
-                }
-                let found = found.ok().and_then(|p| p.into_iter().next())?;
-                Some(match &self.support {
-                    Some(support) => support.completed(run, &self.model.runs[run], found),
-                    None => found,
-                })
-            })
-            .collect()
-    }
-
-    /// Error of a run, sensor by sensor, with the faults of its channels in the model; a run that cannot be predicted is missed
-    /// entirely.
-    #[must_use]
-    pub fn sensor_errors(&self, run: usize, prediction: Option<&Prediction>) -> Vec<RunError> {
-        let record = &self.case.records[run];
-        let samples = record.samples as f64;
-        let taken = self.support.as_ref().map(|support| support.noise_taken(run, &self.model.runs[run]));
-        (0..record.power.len())
-            .map(|s| {
-                let missed = prediction.map_or(record.power[s], |p| {
-                    record.clipped_error(s, &p[s]).unwrap_or_else(|| record.line_error(s, &p[s]))
-                });
-                let taken = taken.as_ref().map_or(0.0, |taken| taken[s]);
-                RunError {
-                    error: missed * samples,
-                    floor: (record.noise[s].powi(2) - taken).max(0.0) * samples,
-                    power: record.power[s] * samples,
-                    count: samples,
-                }
-            })
-            .collect()
-    }
-
-    /// Error of the selected runs as they were read: the faults of the channels are no part of the model.
-    #[must_use]
-    pub fn error_as_read(&self, fitted: &Fitted, selected: &[usize]) -> RunError {
-        let mut sum = self.error(fitted, selected);
-        let predictions = self.predictions(fitted, selected);
-        for (&run, prediction) in selected.iter().zip(&predictions) {
-            let record = &self.case.records[run];
-            let samples = record.samples as f64;
-            sum.error += record.excess.iter().sum::<f64>() * samples;
-            let Some(prediction) = prediction else { continue };
-            for (s, predicted) in prediction.iter().enumerate() {
-                let pair = record.unclipped_error(s, predicted).zip(record.clipped_error(s, predicted));
-                sum.error += pair.map_or(0.0, |(free, clipped)| free - clipped) * samples;
-            }
-        }
-        sum
-    }
-
-    /// Improvement of `after` over `before` on the selected runs, in standard errors; infinite where `before` has no answer.
-    ///
-    /// With `δ` the whitened difference of both predictions, `Δχ²` scatters by `2|δ|` under the noise of the lines, the more so
-    /// by what `after` leaves above it.
-    #[must_use]
-    pub fn improvement(&self, before: &Fitted, after: &Fitted, selected: &[usize]) -> f64 {
-        let pairs = self.predictions(before, selected).into_iter().zip(self.predictions(after, selected));
-        let (mut gain, mut moved, mut left, mut count) = (0.0, 0.0, 0.0, 0.0);
-        for (&run, pair) in selected.iter().zip(pairs) {
-            let (Some(old), Some(new)) = pair else {
-                return if pair.1.is_some() { f64::INFINITY } else { 0.0 };
-            };
-            let lines = &self.model.runs[run];
-            for (s, deviation) in lines.deviation.iter().enumerate() {
-                for (h, std) in deviation.iter().enumerate().skip(1) {
-                    let measured = lines.acceleration[s][h];
-                    let remains = ((measured - new[s][h]) / std).norm_sqr();
-                    gain += ((measured - old[s][h]) / std).norm_sqr() - remains;
-                    moved += ((old[s][h] - new[s][h]) / std).norm_sqr();
-                    left += remains;
-                    count += 2.0;
-                }
-            }
-        }
-        let inflation = (left / f64::max(count, 1.0)).max(1.0);
-        gain / (2.0 * (moved * inflation).sqrt()).max(f64::MIN_POSITIVE)
-    }
-
-    /// What a model leaves in the training runs at one sensor, and at the others together; runs that it cannot predict are left out.
-    pub(crate) fn left_at(&self, fitted: &Fitted, sensor: usize) -> [LeftLines; 2] {
-        let mut left = [LeftLines::default(); 2];
-        for (&run, prediction) in self.training.iter().zip(self.predictions(fitted, &self.training)) {
-            let Some(predicted) = prediction else { continue };
-            let lines = &self.model.runs[run];
-            for (s, deviation) in lines.deviation.iter().enumerate() {
-                let left = &mut left[usize::from(s != sensor)];
-                for (h, std) in deviation.iter().enumerate().skip(1) {
-                    left.chi_squared += ((lines.acceleration[s][h] - predicted[s][h]) / std).norm_sqr();
-                    left.count += 2.0;
-                }
-            }
-        }
-        left
-    }
-
-    /// What a model leaves on the lines of some runs; without bound where it cannot predict one.
-    pub(crate) fn left_in(&self, fitted: &Fitted, runs: &[usize]) -> LeftLines {
-        let chi_squared = |(&run, prediction): (&usize, &Option<Prediction>)| {
-            let lines = &self.model.runs[run];
-            let measured = lines.acceleration.iter().flatten().zip(lines.deviation.iter().flatten());
-            prediction.as_ref().map_or(f64::INFINITY, |predicted| {
-                let pairs = measured.zip(predicted.iter().flatten());
-                pairs.map(|((at, std), predicted)| ((at - predicted) / std).norm_sqr()).sum()
-            })
-        };
-        let predictions = self.predictions(fitted, runs);
-        LeftLines {
-            chi_squared: runs.iter().zip(&predictions).map(chi_squared).sum(),
-            count: self.residuals_of(runs) as f64,
-        }
-    }
-
-    /// Error of the selected runs together.
-    #[must_use]
-    pub fn error(&self, fitted: &Fitted, selected: &[usize]) -> RunError {
-        let predictions = self.predictions(fitted, selected);
-        let all = selected.iter().zip(&predictions).flat_map(|(&run, p)| self.sensor_errors(run, p.as_ref()));
-        all.fold(RunError::default(), |sum, e| RunError {
-            error: sum.error + e.error,
-            floor: sum.floor + e.floor,
-            power: sum.power + e.power,
-            count: sum.count + e.count,
-        })
-    }
 }
 
-/// Lines of the excitation that the force of a rigid contact gets at least, …
-const RIGID_LINES: usize = 64;
-/// … and at most.
-const MOST_RIGID_LINES: usize = 256;
-
-/// Lines of contact force from which none are added: the factor of a balance takes the cube of them.
-const FINEST_LINES: usize = 1536;
 /// Lets lines, the mean first, count to a share of themselves and to a tenth of that share of the loudest, beside their deviations.
 pub fn soften(deviations: &mut [f64], lines: &[Complex64], share: f64) {
     let peak = lines.iter().skip(1).map(|a| a.norm()).fold(0.0, f64::max);
     for (deviation, line) in deviations.iter_mut().zip(lines) {
         *deviation = deviation.hypot(share * line.norm()).hypot(0.1 * share * peak);
     }
-}
-
-/// Share of the difference between the predictions of two grids, one twice as fine as the other, that the finer one leaves.
-const GRID_LEFT: f64 = 0.5;
-/// χ² per residual by which a grid that cuts the contact's force short may miss a run: a tenth of the variance.
-const CUT_SHORT: f64 = 0.1;
-/// Most samples of the phase grid.
-const FINEST_SAMPLES: usize = 8192;
-
-/// Lines of a run for the model. The force of a contact that is set-valued at rest has kinks however little of them the
-/// sensors show: it gets twice the lines of one that yields.
-fn model_lines(case: &Case, record: &RunRecord) -> RunLines {
-    let mut lines = record.lines.clone();
-    if case.law.is_static() {
-        let most = (MOST_RIGID_LINES * record.subharmonic).max(lines.contact_order);
-        let least = RIGID_LINES * record.subharmonic;
-        lines.contact_order = (2 * lines.contact_order).max(least).min(most);
-        lines.samples = (8 * lines.contact_order).next_power_of_two().clamp(lines.samples, 4096);
-    }
-    lines
 }
 
 /// Whether nothing but the law differs from what is declared.

@@ -1,0 +1,105 @@
+//! Phase grids of a study: as fine as the contact's force asks for.
+
+use super::{ExplainError, Fitted, Study};
+use crate::{Case, RunRecord};
+use frettrace_forward::accelerations::{AccelerationModel, RunLines};
+
+/// Lines of the excitation that the force of a rigid contact gets at least, …
+const RIGID_LINES: usize = 64;
+/// … and at most.
+const MOST_RIGID_LINES: usize = 256;
+
+/// Lines of contact force from which none are added: the factor of a balance takes the cube of them.
+const FINEST_LINES: usize = 1536;
+/// Share of the difference between the predictions of two grids, one twice as fine as the other, that the finer one leaves.
+const GRID_LEFT: f64 = 0.5;
+/// χ² per residual by which a grid that cuts the contact's force short may miss a run: a tenth of the variance.
+const CUT_SHORT: f64 = 0.1;
+/// Most samples of the phase grid.
+const FINEST_SAMPLES: usize = 8192;
+
+/// Lines of a run for the model. The force of a contact that is set-valued at rest has kinks however little of them the
+/// sensors show: it gets twice the lines of one that yields.
+pub(super) fn model_lines(case: &Case, record: &RunRecord) -> RunLines {
+    let mut lines = record.lines.clone();
+    if case.law.is_static() {
+        let most = (MOST_RIGID_LINES * record.subharmonic).max(lines.contact_order);
+        let least = RIGID_LINES * record.subharmonic;
+        lines.contact_order = (2 * lines.contact_order).max(least).min(most);
+        lines.samples = (8 * lines.contact_order).next_power_of_two().clamp(lines.samples, 4096);
+    }
+    lines
+}
+
+impl Study<'_> {
+    /// The same study on a finer phase grid with twice the lines of contact force: kinks that a law with play, stops or a
+    /// steep rise makes need them. `None` where no run can have more.
+    ///
+    /// # Errors
+    /// [`ExplainError::Model`] where the grid cannot carry the lines.
+    pub fn refined(&self) -> Result<Option<Self>, ExplainError> {
+        let mut runs = self.model.runs.clone();
+        let mut finer = false;
+        for run in runs.iter_mut().filter(|run| 2 * run.contact_order <= FINEST_LINES) {
+            run.contact_order *= 2;
+            run.samples = (2 * run.samples).min(FINEST_SAMPLES);
+            finer = true;
+        }
+        let model = self.model.with_runs(runs)?;
+        Ok(finer.then(|| self.of_model(model)))
+    }
+
+    /// The same with twice the lines of contact force in the runs alone whose predictions on such a grid differ by more than a tenth
+    /// of the variance of their lines; `None` where there is no such run.
+    ///
+    /// # Errors
+    /// [`ExplainError::Model`] where the grid cannot carry the lines.
+    pub fn resolved(&self, fitted: &Fitted) -> Result<Option<Self>, ExplainError> {
+        let Some(finer) = self.refined()? else { return Ok(None) };
+        let all = self.all_runs();
+        let [coarse, fine] = [self, &finer].map(|study| study.predictions(fitted, &all));
+        let mut runs = self.model.runs.clone();
+        let mut cut_short = false;
+        for ((&run, coarse), fine) in all.iter().zip(&coarse).zip(&fine) {
+            let (Some(coarse), Some(fine)) = (coarse, fine) else { continue };
+            let lines = coarse.iter().flatten().zip(fine.iter().flatten());
+            let deviations = runs[run].deviation.iter().flatten();
+            let parts = lines.zip(deviations).map(|((coarse, fine), std)| ((coarse - fine) / std).norm_sqr());
+            if parts.sum::<f64>() > CUT_SHORT * self.residuals_of(&[run]) as f64 {
+                runs[run] = finer.model.runs[run].clone();
+                cut_short = true;
+            }
+        }
+        let model = self.model.with_runs(runs)?;
+        Ok(cut_short.then(|| self.of_model(model)))
+    }
+
+    /// Counts the error of the phase grid among the deviations of the lines. Twice the lines of force divide it by about three, so
+    /// that this grid leaves half of what parts its predictions from those of the `coarser` one.
+    pub fn doubt_grid(&mut self, coarser: &Self, fitted: &Fitted) {
+        let all = self.all_runs();
+        let [before, now] = [coarser, &*self].map(|study| study.predictions(fitted, &all));
+        for ((&run, before), now) in all.iter().zip(before).zip(now) {
+            let (Some(before), Some(now)) = (before, now) else { continue };
+            let known = &self.case.records[run].lines.deviation;
+            let lines = before.iter().zip(&now).zip(known).zip(&mut self.model.runs[run].deviation);
+            for (((before, now), known), deviation) in lines {
+                for (h, std) in deviation.iter_mut().enumerate() {
+                    *std = known[h].hypot((before[h] - now[h]).norm() * GRID_LEFT);
+                }
+            }
+        }
+    }
+
+    fn of_model(&self, model: AccelerationModel) -> Self {
+        Self {
+            case: self.case,
+            model,
+            training: self.training.clone(),
+            held_out: self.held_out.clone(),
+            scales: self.scales,
+            series: self.series.clone(),
+            support: self.support.clone(),
+        }
+    }
+}
