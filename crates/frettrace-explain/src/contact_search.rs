@@ -13,6 +13,7 @@ use frettrace_forward::accelerations::{
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 use frettrace_identify::{Model, Status};
 use rayon::prelude::*;
+use std::collections::HashSet;
 use std::sync::Arc;
 
 mod base;
@@ -233,20 +234,15 @@ impl Study<'_> {
         set_by_forms(effect, &setting.law, &self.scales).for_each(|hook| bare.law.clear(hook));
         let forms = ALL[effect].contact_forms(&bare.law, &self.scales);
         let quick = recovered.quick();
-        let glance = |form: &ContactForm| {
+        let glance = |form| {
             let begun = self.contact_steps(&quick, &bare, law_unknowns, (effect, form), (None, BEGIN))?;
-            Some((begun.criterion, form.clone()))
+            Some((begun.criterion, form))
         };
-        let mut begun: Vec<(f64, ContactForm)> = forms.par_iter().filter_map(glance).collect();
+        let mut begun: Vec<(f64, &ContactForm)> = forms.par_iter().filter_map(glance).collect();
         begun.sort_by(|a, b| a.0.total_cmp(&b.0));
         // One start of each formula goes on.
-        let formula = |form: &ContactForm| form.changes.iter().map(|change| change.hook).collect::<Vec<_>>();
-        let mut formulas = Vec::new();
-        begun.retain(|(_, form)| {
-            let is_new = !formulas.contains(&formula(form));
-            formulas.push(formula(form));
-            is_new
-        });
+        let mut formulas = HashSet::new();
+        begun.retain(|(_, form)| formulas.insert(form.formula()));
         let fitted = begun.par_iter().filter_map(|(_, form)| {
             let plain = self.contact_candidate(recovered, &bare, law_unknowns, (effect, form), ALL_STEPS)?;
             Some(self.contact_shape(recovered, &bare, &plain).unwrap_or(plain))

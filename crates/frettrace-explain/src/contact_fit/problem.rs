@@ -156,6 +156,20 @@ impl<'a> ContactProblem<'a> {
     }
 }
 
+/// Writes the derivative of some rows by a mean slip into its column: what is `left` of them so far (m) away, less what they are.
+fn differ(
+    left: impl Fn(&mut [f64]),
+    residual: &[f64],
+    (jacobian, first, column): (&mut DMatrix<f64>, usize, usize),
+    distance: f64,
+) {
+    let mut moved = vec![0.0; residual.len()];
+    left(&mut moved);
+    for (k, (moved, residual)) in moved.iter().zip(residual).enumerate() {
+        jacobian[(first + k, column)] = (moved - residual) / distance;
+    }
+}
+
 /// The residual at some values, with the states in which the settled periods of the runs begin: what derivatives begin from.
 #[derive(Clone, Default)]
 pub(crate) struct Settled {
@@ -216,11 +230,11 @@ impl Model for ContactProblem<'_> {
             if let Some(mean) = values.get(column).filter(|_| free[column]) {
                 let plain = &self.recovered.periodic[k];
                 let distance = MEAN_STEP * MEAN_SCALE * plain.stroke();
-                let mut moved = vec![0.0; rows.len()];
-                plain.around(mean + distance).residual(&law, self.modulation, &mut moved);
-                for (row, moved) in rows.clone().zip(moved) {
-                    jacobian[(row, column)] = (moved - residual[row]) / distance;
-                }
+                let moved = plain.around(mean + distance);
+                let left = |out: &mut [f64]| {
+                    moved.residual(&law, self.modulation, out);
+                };
+                differ(left, &residual[rows.clone()], (jacobian, rows.start, column), distance);
             }
             at = rows.end;
         }
@@ -230,11 +244,9 @@ impl Model for ContactProblem<'_> {
             series.linearise(&law, &hooks, part);
             if free.get(column).is_some_and(|free| *free) {
                 let distance = MEAN_STEP * MEAN_SCALE * series.stroke();
-                let mut moved = vec![0.0; rows.len()];
-                series.around(distance).residual(&law, &mut moved);
-                for (row, moved) in rows.clone().zip(moved) {
-                    jacobian[(row, column)] = (moved - residual[row]) / distance;
-                }
+                let moved = series.around(distance);
+                let left = |out: &mut [f64]| moved.residual(&law, out);
+                differ(left, &residual[rows.clone()], (jacobian, rows.start, column), distance);
             }
             at = rows.end;
         }

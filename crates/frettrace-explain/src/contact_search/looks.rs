@@ -96,7 +96,7 @@ impl Study<'_> {
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         few_of_each(&mut order, LOOK, |place| {
             let (effect, form) = &forms[glanced[place].1];
-            (*effect, form.changes.iter().map(|change| change.hook).collect::<Vec<_>>())
+            (*effect, form.formula())
         });
         // Runs without a period, dear to march, join those that come near; what they cost the others is counted.
         let steady = at_first(recovered.steady(), softened);

@@ -150,6 +150,11 @@ impl ContactForm {
     pub fn new(changes: Vec<Change>) -> Self {
         Self { changes, modulation: FrequencyRatio::ONE }
     }
+
+    /// Which formula it is, whatever it begins from: the hooks that it changes.
+    pub fn formula(&self) -> Vec<Hook> {
+        self.changes.iter().map(|change| change.hook).collect()
+    }
 }
 
 /// One form of an effect in the structure, the excitation or the measurement.
