@@ -44,6 +44,8 @@ pub struct Case {
     pub shaken: Option<f64>,
     /// Ids of effects that are left out of the search.
     pub without: Vec<String>,
+    /// Indices of runs that are neither fitted nor held out.
+    pub aside: Vec<usize>,
 }
 
 /// Sizes of the motion in the contact, from which starting values and ranges are scaled.

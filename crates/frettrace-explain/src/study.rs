@@ -105,7 +105,8 @@ impl<'a> Study<'a> {
     /// # Errors
     /// [`ExplainError`] where no run is periodic or the rig cannot be modelled.
     pub fn new(case: &'a Case, split: Split) -> Result<(Self, Setting), ExplainError> {
-        let periodic: Vec<usize> = (0..case.records.len()).filter(|&k| case.records[k].periodic).collect();
+        let taken = |run: &usize| case.records[*run].periodic && !case.aside.contains(run);
+        let periodic: Vec<usize> = (0..case.records.len()).filter(taken).collect();
         if periodic.is_empty() {
             return Err(ExplainError::NothingPeriodic { periodic: 0, runs: case.records.len() });
         }

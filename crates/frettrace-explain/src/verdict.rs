@@ -17,9 +17,10 @@ mod finer;
 mod outcome;
 mod outside_rounds;
 mod rules;
+mod steady;
 
-pub use asked_again::explain;
 pub use outcome::{Named, Outcome, Place, Tried, Verdict};
+pub use steady::explain;
 
 /// Most effects named together.
 pub(crate) const MOST_EFFECTS: usize = 2;

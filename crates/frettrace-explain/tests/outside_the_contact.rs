@@ -110,6 +110,7 @@ fn declared(rig: &SimulatedRig, measured: &[SimulatedRecord]) -> Case {
         faults,
         shaken: None,
         without: Vec::new(),
+        aside: Vec::new(),
     };
     case.leave_out_saturated().unwrap();
     case

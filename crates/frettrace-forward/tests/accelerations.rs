@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may unwrap")]
 
-use frettrace_beam::{Boundary, ModalModel, ModalOptions, UniformBeam};
+use frettrace_beam::{Boundary, Dof, ModalModel, ModalOptions, UniformBeam};
 use frettrace_forward::accelerations::{
     AccelerationModel, Port, PortLaw, PortPlace, Prediction, Quantity, Rig, RunLines, Setting,
 };
@@ -354,4 +354,41 @@ fn friction_that_changes_with_the_place_has_its_place() {
         let error = size(&difference(&column, &expected, 1.0)) / size(&expected).max(f64::MIN_POSITIVE);
         assert!(error < 2e-4, "{quantity:?}: {error:e}");
     }
+}
+
+/// A contact that only pushes along or against its motion has the same slopes at every instant: what grows with `s` meets the slip per
+/// force of all modes, `R(s) = Σ (r φ'_n)²/(s² + 2ζ_n ω_n s + ω_n²)`, and the margin is the least `1 + (K + cs)R(s)`.
+#[test]
+fn margin_of_stability_is_that_of_the_frozen_contact() {
+    let model = model();
+    let modal = ModalModel::new(
+        &beam(),
+        &Boundary::spring(SUPPORT),
+        &ModalOptions { modes: model.rig().modes, damping_ratio: vec![0.02], ..ModalOptions::default() },
+    )
+    .unwrap();
+    let probe = modal.probe(&[Dof::rotation(LENGTH)]);
+    let lever = model.rig().lever.unwrap();
+    let receptance = |s: f64| -> f64 {
+        let modes = modal.natural_frequency().iter().enumerate();
+        modes.map(|(n, w)| (lever * probe.shape(n)[0]).powi(2) / (s * s + 0.04 * w * s + w * w)).sum()
+    };
+    let [lowest, highest] = [0, model.rig().modes - 1].map(|n| modal.natural_frequency()[n]);
+    let rates = || (0..20_000).map(|k| lowest * (4.0 * highest / lowest).powf(f64::from(k) / 20_000.0));
+    let mut setting = Setting::new(Vec::new(), Vec::new(), ModifiedLaw::dahl(1e-6, 1e-9), 3);
+    (setting.frequency, setting.damping) = (vec![lowest], vec![0.02]);
+    let margin = |hook: Hook, value: f64| {
+        let mut setting = setting.clone();
+        setting.law.set(hook, value);
+        model.stability_margin(&setting, &[0, 1], &mut model.memory()).unwrap()
+    };
+    // What holds, and what damps, is no danger.
+    assert_eq!(margin(Hook::Viscous, 300.0), [1.0; 2]);
+    assert_eq!(margin(Hook::ParallelStiffness, 1e5), [1.0; 2]);
+    // Half of what meets the beam: damping where it grows fast, a spring at the slowest rate that is asked.
+    let fastest = rates().map(|s| s * receptance(s)).fold(0.0, f64::max);
+    let found = margin(Hook::Viscous, -0.5 / fastest);
+    assert!(found.iter().all(|margin| (margin - 0.5).abs() < 2e-3), "{found:?}");
+    let found = margin(Hook::ParallelStiffness, -0.5 / receptance(lowest));
+    assert!(found.iter().all(|margin| (margin - 0.5).abs() < 2e-3), "{found:?}");
 }

@@ -219,6 +219,7 @@ pub fn case(measurement: &Measurement) -> Result<Case, StudyError> {
         faults,
         shaken: None,
         without: Vec::new(),
+        aside: Vec::new(),
     };
     case.tell_motion_from_hum();
     case.open_higher_modes()?;

@@ -144,6 +144,14 @@ impl Found<'_> {
 }
 
 fn explanation(measurement: &Measurement, options: &ExplainOptions, outcome: &Outcome) -> Explanation {
+    let mut notes = outcome.notes.clone();
+    if !outcome.aside.is_empty() {
+        let aside: Vec<&str> = outcome.aside.iter().map(|&run| measurement.runs[run].id.as_str()).collect();
+        notes.push(format!(
+            "{} are neither fitted nor held out: the contact is near a fold of its characteristic there, where a beam snaps and a balance does not",
+            aside.join(", ")
+        ));
+    }
     let found = Found {
         verdict: outcome.verdict,
         effects: &outcome.effects,
@@ -152,7 +160,7 @@ fn explanation(measurement: &Measurement, options: &ExplainOptions, outcome: &Ou
         held_out: outcome.held_out.as_ref(),
         runs: &outcome.runs,
         tried: &outcome.tried,
-        notes: &outcome.notes,
+        notes: &notes,
     };
     let law = &measurement.support.law;
     let sides = [&outcome.baseline, &outcome.model].map(|model| identification(measurement, law, model));

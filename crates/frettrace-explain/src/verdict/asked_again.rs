@@ -36,11 +36,8 @@ struct Found<'a> {
     model: Explained,
 }
 
-/// Explains a case.
-///
-/// # Errors
-/// [`ExplainError`] where no run is periodic or the model cannot be evaluated at all.
-pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
+/// What comes of a case, and the study that it came of.
+pub(super) fn answer(case: &Case) -> Result<(Outcome, Study<'_>), ExplainError> {
     let without;
     let mut split = Split::First;
     let mut found = Found::by(case, split)?;
@@ -73,7 +70,8 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
         }
     }
     found.search.notes.extend(missed);
-    Ok(found.search.outcome(found.baseline, found.model))
+    let study = Study { case, ..found.search.study.clone() };
+    Ok((found.search.outcome(found.baseline, found.model), study))
 }
 
 impl<'a> Begun<'a> {
@@ -181,15 +179,15 @@ impl<'a> Found<'a> {
         self.contradicted() && joint().is_some_and(|joint| joint.left().is_noise())
     }
 
-    /// Whether the runs held out hold far more of what is lacking than those that were searched: nothing was found, or something whose
+    /// Whether the runs held out hold more of what is lacking than those that were searched: far more where nothing was found, or something whose
     /// formula they would have had to tell.
     fn overtaken(&self) -> bool {
         let after = self.held_out_ratio();
-        let untold = || {
-            let before = self.search.study.error(&self.baseline.fitted, &self.search.study.held_out).ratio();
-            self.model.complete() && !is_followed(before, after)
-        };
-        after > OVERTAKEN * self.model.ratio && (self.model.effects.is_empty() || untold())
+        if self.model.effects.is_empty() {
+            return after > OVERTAKEN * self.model.ratio;
+        }
+        let before = self.search.study.error(&self.baseline.fitted, &self.search.study.held_out).ratio();
+        self.model.complete() && after > CONTRADICTED && !is_followed(before, after)
     }
 
     /// The only name of a model that leaves more than the noise. One that every rival leaves ten times as much as is in no doubt.

@@ -77,6 +77,8 @@ pub struct Outcome {
     pub held_out: Option<[RunError; 2]>,
     /// Indices of the training and of the held-out runs.
     pub runs: [Vec<usize>; 2],
+    /// Indices of the runs that are neither, because no beam keeps to the motion that the model has in them.
+    pub aside: Vec<usize>,
     /// What a reader must know.
     pub notes: Vec<String>,
 }
@@ -144,6 +146,7 @@ impl Search<'_> {
             error: errors(0).unwrap_or_default(),
             held_out: errors(1),
             runs: [self.study.training.clone(), self.study.held_out.clone()],
+            aside: self.study.case.aside.clone(),
             tried: self.tried,
             notes: self.notes,
             baseline,

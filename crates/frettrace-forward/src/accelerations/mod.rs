@@ -17,6 +17,7 @@ mod response;
 mod run;
 mod setting;
 mod solve;
+mod stability;
 mod structure;
 
 pub use balance::{Balance, Beside, settled_mean};

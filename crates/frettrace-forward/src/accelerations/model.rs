@@ -212,7 +212,7 @@ impl AccelerationModel {
         others
     }
 
-    fn each<T: Send>(
+    pub(super) fn each<T: Send>(
         &self,
         selected: &[usize],
         memory: &mut Memory,
@@ -336,6 +336,6 @@ fn grids(runs: &[RunLines]) -> Result<Vec<Grid>, GridError> {
     runs.iter().map(|r| Grid::new(r.contact_order, r.samples)).collect()
 }
 
-fn not_balanced(run: usize, left: f64) -> AccelerationError {
+pub(super) fn not_balanced(run: usize, left: f64) -> AccelerationError {
     AccelerationError::NotBalanced { run, left }
 }

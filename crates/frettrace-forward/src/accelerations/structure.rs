@@ -195,6 +195,13 @@ impl Structure {
         self.layout
     }
 
+    /// Natural frequency (rad/s), damping ratio and mass-normalised participation of the slip (kg^−½) of every mode.
+    pub fn modes_of_slip(&self) -> impl Iterator<Item = [f64; 3]> {
+        let values = self.model.natural_frequency().iter().zip(self.model.damping_ratio());
+        let shapes = self.participation.chunks_exact(self.count);
+        values.zip(shapes).map(|((frequency, damping), shape)| [*frequency, *damping, shape[Layout::SLIP]])
+    }
+
     /// Receptances on the lines `0..=order` of `omega` for a run at `progress` between the first and the last.
     pub fn block(&self, omega: f64, order: usize, progress: f64) -> Block {
         let (rows, columns) = (self.layout.rows(), self.layout.columns());

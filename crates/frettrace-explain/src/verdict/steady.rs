@@ -1,0 +1,69 @@
+//! Runs in which no beam keeps to the motion that a balance follows.
+//!
+//! Near a fold of its characteristic the contact gives way and snaps, within a time that no line of a balance resolves
+//! ([`AccelerationModel::stability_margin`](frettrace_forward::accelerations::AccelerationModel::stability_margin)). What such runs leave is no
+//! evidence of an effect, and bends all that is fitted to them: where nothing explains all runs, the others are asked by themselves. A name
+//! that explains them must bring the runs set aside nearer, too. That nothing is missing is not said of a part of the runs.
+
+use super::asked_again::answer;
+use super::{Outcome, Verdict};
+use crate::{Case, ExplainError, Fitted, Study};
+
+/// Margin of stability below which a run is set aside: a fold of the contact (0) is nearer than an undisturbed beam (1) by a fifth. Right models
+/// of simulated rigs leave noise where it is above 0.85.
+const STEADY: f64 = 0.8;
+/// Fewest other runs that are asked by themselves: one of them is held out.
+const LEAST_STEADY: usize = 4;
+
+/// Explains a case.
+///
+/// # Errors
+/// [`ExplainError`] where no run is periodic or the model cannot be evaluated at all.
+pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
+    let (mut found, study) = answer(case)?;
+    if found.verdict != Verdict::Unexplained {
+        return Ok(found);
+    }
+    let all = study.all_runs();
+    let aside = study.unsteady([&found.baseline.fitted, &found.model.fitted]);
+    if aside.is_empty() {
+        return Ok(found);
+    }
+    found.notes.push(format!(
+        "in {} of {} runs the contact is near a fold of its characteristic, where a beam snaps and a balance does not: what they leave may be that",
+        aside.len(),
+        all.len()
+    ));
+    if all.len() - aside.len() < LEAST_STEADY {
+        return Ok(found);
+    }
+    let steady = Case { aside, ..case.clone() };
+    let asked = answer(&steady).ok().filter(|(other, study)| {
+        let nearer = || study.nearer(&other.model.fitted, &other.baseline.fitted);
+        // A fault of a channel was seen in its samples.
+        other.verdict == Verdict::Explained && (other.model.effects.is_empty() || nearer())
+    });
+    Ok(asked.map_or(found, |(other, _)| other))
+}
+
+impl Study<'_> {
+    /// Runs in which the settled motion of one of two models is near a fold.
+    fn unsteady(&self, models: [&Fitted; 2]) -> Vec<usize> {
+        let near = |run: &usize| {
+            models.into_iter().any(|fitted| {
+                let mut memory = fitted.memory.clone();
+                let margin = self.model.stability_margin(&fitted.setting, &[*run], &mut memory);
+                margin.is_ok_and(|margin| margin.iter().any(|margin| *margin < STEADY))
+            })
+        };
+        let mut found: Vec<usize> = self.all_runs().into_iter().filter(near).collect();
+        found.sort_unstable();
+        found
+    }
+
+    /// Whether a model misses the runs set aside by less than another one.
+    fn nearer(&self, model: &Fitted, than: &Fitted) -> bool {
+        let missed = |fitted: &Fitted| self.error(fitted, &self.case.aside).error;
+        missed(model) < missed(than)
+    }
+}

@@ -1,0 +1,77 @@
+//! Stability of a settled motion against what is fast beside it.
+//!
+//! For motions that are fast beside the settled one the contact stands still on its way: it answers `δF = K δu + c δv` with the slopes
+//! `K = ∂F/∂u` and `c = ∂F/∂v` of that instant, the bristle's own included. The beam answers with `δu = −R δF`, and a growth `e^{st}` is held
+//! where
+//! ```text
+//! 1 + (K + c s) R(s) = 0,   R(s) = Σ φ_n²/(s² + 2ζ_n ω_n s + ω_n²)
+//! ```
+//! (`φ_n` the mass-normalised participation of the slip, lever arm included). The left side is 1 without a contact and where this is fast
+//! beyond the beam, so that it has a root where its least value is below nothing: there the contact passes a fold and snaps to another part of
+//! its characteristic, within a time that no line of a balance resolves. Near that the beam gives way, and a balance, whose lines end, is
+//! another motion than the beam's. Damping of the bristle that fades with the velocity is what makes `K` and `c` negative.
+
+use super::contact::Local;
+use super::model::{AccelerationError, AccelerationModel, Memory, not_balanced};
+use super::setting::Setting;
+use super::solve::solve;
+use super::structure::Structure;
+
+/// Directions of slip and velocity at the end of a step among those of its motion.
+const SLIP: usize = Local::MOTION + 1;
+const VELOCITY: usize = Local::MOTION + 3;
+/// Rates of growth that are asked, four in each octave, …
+const PER_OCTAVE: f64 = 4.0;
+/// … from the lowest natural frequency to this many times the highest.
+const BEYOND: f64 = 4.0;
+
+impl AccelerationModel {
+    /// Least `1 + (K + c s) R(s)` over all instants of a run's settled motion and all rates `s > 0`, one value a selected run: 1 where the contact
+    /// only holds and damps, below nothing where it snaps. A rigid contact has no slopes, and 1.
+    ///
+    /// # Errors
+    /// As [`Self::predict`].
+    pub fn stability_margin(
+        &self,
+        setting: &Setting,
+        selected: &[usize],
+        memory: &mut Memory,
+    ) -> Result<Vec<f64>, AccelerationError> {
+        let structure = self.structure(setting)?;
+        let receptance = growing(&structure);
+        self.each(selected, memory, |run, kept| {
+            let prepared = self.prepare(&structure, setting, run);
+            let evaluation = self.evaluation(structure.layout(), setting, &prepared, run);
+            if evaluation.rigid() {
+                return Ok(1.0);
+            }
+            solve(&evaluation, kept, self.tolerance).map_err(|left| not_balanced(run, left))?;
+            let state = evaluation.evaluate(&kept.unknowns, &mut evaluation.grid.scratch());
+            let start = state.start.unwrap_or_else(|| setting.law.rest_at(0.0));
+            let mut locals = Vec::with_capacity(evaluation.grid.samples());
+            evaluation.contact().locals(&state.contact, start, &[], &mut locals);
+            let margin = |local: &Local| {
+                let [stiffness, damping] = [SLIP, VELOCITY].map(|at| local.force[at]);
+                receptance.iter().map(|[s, r]| 1.0 + (stiffness + damping * s) * r).fold(1.0, f64::min)
+            };
+            Ok(locals.iter().map(margin).fold(1.0, f64::min))
+        })
+    }
+}
+
+/// Rates of growth (1/s) and the slip per force (m/N) that grows with each.
+fn growing(structure: &Structure) -> Vec<[f64; 2]> {
+    let modes: Vec<[f64; 3]> = structure.modes_of_slip().collect();
+    let frequencies = || modes.iter().map(|[frequency, ..]| *frequency);
+    let lowest = frequencies().fold(f64::INFINITY, f64::min);
+    let octaves = (BEYOND * frequencies().fold(0.0, f64::max) / lowest).log2();
+    let rates =
+        (0..=(PER_OCTAVE * octaves).max(0.0) as usize).map(|k| lowest * (k as f64 / PER_OCTAVE).exp2());
+    let receptance = |s: f64| -> f64 {
+        let one = |[frequency, damping, participation]: &[f64; 3]| {
+            participation * participation / (s * (s + 2.0 * damping * frequency) + frequency * frequency)
+        };
+        modes.iter().map(one).sum()
+    };
+    rates.map(|s| [s, receptance(s)]).collect()
+}
