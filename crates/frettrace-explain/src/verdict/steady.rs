@@ -3,11 +3,12 @@
 //! Near a fold of its characteristic the contact gives way and snaps, within a time that no line of a balance resolves
 //! ([`AccelerationModel::stability_margin`](frettrace_forward::accelerations::AccelerationModel::stability_margin)). What such runs leave is no
 //! evidence of an effect, and bends all that is fitted to them: where nothing explains all runs, the others are asked by themselves. A name
-//! that explains them must bring the runs set aside nearer, too. That nothing is missing is not said of a part of the runs.
+//! that explains them must bring the runs set aside nearer, too, to what a snap leaves. That nothing is missing is not said of a part of the runs.
 
 use super::asked_again::answer;
-use super::{Outcome, Verdict};
+use super::{Outcome, Place, Verdict};
 use crate::{Case, ExplainError, Fitted, Study};
+use frettrace_friction::effects::Hook;
 
 /// Margin of stability below which a run is set aside: a fold of the contact (0) is nearer than an undisturbed beam (1) by a fifth. Right models
 /// of simulated rigs leave noise where it is above 0.85.
@@ -24,11 +25,9 @@ const LEAST_STEADY: usize = 4;
 /// [`ExplainError`] where no run is periodic or the model cannot be evaluated at all.
 pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
     let (mut found, study) = answer(case)?;
-    if found.verdict != Verdict::Unexplained {
-        return Ok(found);
-    }
+    let unexplained = found.verdict == Verdict::Unexplained && found.place == Some(Place::Contact);
     let all = study.all_runs();
-    if study.error(&found.model.fitted, &all).ratio() > OF_A_SNAP {
+    if !unexplained || study.error(&found.model.fitted, &all).ratio() > OF_A_SNAP {
         return Ok(found);
     }
     let aside = study.unsteady([&found.baseline.fitted, &found.model.fitted]);
@@ -45,18 +44,20 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
     }
     let steady = Case { aside, ..case.clone() };
     let asked = answer(&steady).ok().filter(|(other, study)| {
-        let nearer = || study.nearer(&other.model.fitted, &other.baseline.fitted);
+        let missed = |fitted: &Fitted| study.error(fitted, &steady.aside).ratio();
+        let [before, after] = [&other.baseline, &other.model].map(|model| missed(&model.fitted));
         // A fault of a channel was seen in its samples.
-        other.verdict == Verdict::Explained && (other.model.effects.is_empty() || nearer())
+        let nearer = other.model.effects.is_empty() || after < before;
+        other.verdict == Verdict::Explained && nearer && after <= OF_A_SNAP
     });
     Ok(asked.map_or(found, |(other, _)| other))
 }
 
 impl Study<'_> {
-    /// Runs in which the settled motion of one of two models is near a fold.
+    /// Runs in which the settled motion of one of two models is near a fold. Where no bristle is damped, none gives way.
     fn unsteady(&self, models: [&Fitted; 2]) -> Vec<usize> {
         let near = |run: &usize| {
-            models.into_iter().any(|fitted| {
+            models.into_iter().filter(|fitted| fitted.setting.law.get(Hook::Sigma1).is_some()).any(|fitted| {
                 let mut memory = fitted.memory.clone();
                 let margin = self.model.stability_margin(&fitted.setting, &[*run], &mut memory);
                 margin.is_ok_and(|margin| margin.iter().any(|margin| *margin < STEADY))
@@ -65,11 +66,5 @@ impl Study<'_> {
         let mut found: Vec<usize> = self.all_runs().into_iter().filter(near).collect();
         found.sort_unstable();
         found
-    }
-
-    /// Whether a model misses the runs set aside by less than another one.
-    fn nearer(&self, model: &Fitted, than: &Fitted) -> bool {
-        let missed = |fitted: &Fitted| self.error(fitted, &self.case.aside).error;
-        missed(model) < missed(than)
     }
 }
