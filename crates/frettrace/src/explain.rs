@@ -148,7 +148,7 @@ fn explanation(measurement: &Measurement, options: &ExplainOptions, outcome: &Ou
     if !outcome.aside.is_empty() {
         let aside: Vec<&str> = outcome.aside.iter().map(|&run| measurement.runs[run].id.as_str()).collect();
         notes.push(format!(
-            "{} are neither fitted nor held out: the contact is near a fold of its characteristic there, where a beam snaps and a balance does not",
+            "runs {} are neither fitted nor held out: the contact is near a fold of its characteristic there, where a beam snaps and a balance does not",
             aside.join(", ")
         ));
     }
