@@ -42,6 +42,7 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
     if all.len() - aside.len() < LEAST_STEADY {
         return Ok(found);
     }
+    let aside = [&case.aside[..], &aside].concat();
     let steady = Case { aside, ..case.clone() };
     let asked = answer(&steady).ok().filter(|(other, study)| {
         let missed = |fitted: &Fitted| study.error(fitted, &steady.aside).ratio();
@@ -56,15 +57,17 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
 impl Study<'_> {
     /// Runs in which the settled motion of one of two models is near a fold. Where no bristle is damped, none gives way.
     fn unsteady(&self, models: [&Fitted; 2]) -> Vec<usize> {
-        let near = |run: &usize| {
-            models.into_iter().filter(|fitted| fitted.setting.law.get(Hook::Sigma1).is_some()).any(|fitted| {
-                let mut memory = fitted.memory.clone();
-                let margin = self.model.stability_margin(&fitted.setting, &[*run], &mut memory);
-                margin.is_ok_and(|margin| margin.iter().any(|margin| *margin < STEADY))
-            })
-        };
-        let mut found: Vec<usize> = self.all_runs().into_iter().filter(near).collect();
+        let runs = self.all_runs();
+        let mut found = Vec::new();
+        for fitted in models.into_iter().filter(|fitted| fitted.setting.law.get(Hook::Sigma1).is_some()) {
+            let mut memory = fitted.memory.clone();
+            let margins =
+                self.model.stability_margin(&fitted.setting, &runs, &mut memory).unwrap_or_default();
+            let near = |margin: Option<f64>| margin.is_some_and(|margin| margin < STEADY);
+            found.extend(runs.iter().zip(margins).filter(|(_, margin)| near(*margin)).map(|(run, _)| *run));
+        }
         found.sort_unstable();
+        found.dedup();
         found
     }
 }

@@ -36,16 +36,13 @@ pub(super) struct Tangent<'a> {
 
 impl<'a> Tangent<'a> {
     pub fn new(evaluation: &'a Evaluation<'a>, state: &'a State, hooks: &[Hook]) -> Self {
-        let mut locals = Vec::with_capacity(evaluation.grid.samples());
-        let law = &evaluation.setting.law;
-        let start = state.start.unwrap_or_else(|| law.rest_at(0.0));
-        let begun = evaluation.contact().locals(&state.contact, start, hooks, &mut locals);
+        let (locals, begun) = evaluation.locals(state, hooks);
         let ports = (evaluation.setting.ports.iter().zip(&state.ports))
             .map(|(port, [d, v])| {
                 d.iter().zip(v).map(|(d, v)| port.law.force(&port.coefficients, *d, *v)).collect()
             })
             .collect();
-        let response = Response::new(&locals, &begun, law.states());
+        let response = Response::new(&locals, &begun, evaluation.setting.law.states());
         Self { evaluation, locals, begun, ports, response }
     }
 

@@ -336,6 +336,6 @@ fn grids(runs: &[RunLines]) -> Result<Vec<Grid>, GridError> {
     runs.iter().map(|r| Grid::new(r.contact_order, r.samples)).collect()
 }
 
-pub(super) fn not_balanced(run: usize, left: f64) -> AccelerationError {
+fn not_balanced(run: usize, left: f64) -> AccelerationError {
     AccelerationError::NotBalanced { run, left }
 }

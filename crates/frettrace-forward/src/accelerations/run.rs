@@ -1,11 +1,11 @@
 //! One run: its measured lines, and the balance of its contact forces.
 
-use super::contact::{Contact, Motion};
+use super::contact::{Begun, Contact, Local, Motion};
 use super::phase::FrequencyRatio;
 use super::setting::{PortPlace, Setting};
 use super::structure::{Block, Layout};
 use frettrace_fourier::{Grid, GridScratch};
-use frettrace_friction::effects::{Circumstance, ModifiedState};
+use frettrace_friction::effects::{Circumstance, Hook, ModifiedState};
 use num_complex::Complex64;
 
 /// What was measured in one run, on lines `h·omega`, `h = 0..=H`.
@@ -252,6 +252,14 @@ impl Evaluation<'_> {
             modulation,
             modulation_phase: modulation as f64 * self.lines.base_phase,
         }
+    }
+
+    /// Local derivatives of every step of the settled contact, by the given hooks too, and those of the state with which its period starts.
+    pub fn locals(&self, state: &State, hooks: &[Hook]) -> (Vec<Local>, Begun) {
+        let start = state.start.unwrap_or_else(|| self.setting.law.rest_at(0.0));
+        let mut locals = Vec::with_capacity(self.grid.samples());
+        let begun = self.contact().locals(&state.contact, start, hooks, &mut locals);
+        (locals, begun)
     }
 
     /// Force harmonics that the laws answer to the given ones.

@@ -12,7 +12,7 @@
 //! another motion than the beam's. Damping of the bristle that fades with the velocity is what makes `K` and `c` negative.
 
 use super::contact::Local;
-use super::model::{AccelerationError, AccelerationModel, Memory, not_balanced};
+use super::model::{AccelerationError, AccelerationModel, Memory};
 use super::setting::Setting;
 use super::solve::solve;
 use super::structure::Structure;
@@ -27,34 +27,34 @@ const BEYOND: f64 = 4.0;
 
 impl AccelerationModel {
     /// Least `1 + (K + c s) R(s)` over all instants of a run's settled motion and all rates `s > 0`, one value a selected run: 1 where the contact
-    /// only holds and damps, below nothing where it snaps. A rigid contact has no slopes, and 1.
+    /// only holds and damps, below nothing where it snaps, `None` where the run's balance does not close. A rigid contact has no slopes, and 1.
     ///
     /// # Errors
-    /// As [`Self::predict`].
+    /// [`AccelerationError`] where the structure cannot be built.
     pub fn stability_margin(
         &self,
         setting: &Setting,
         selected: &[usize],
         memory: &mut Memory,
-    ) -> Result<Vec<f64>, AccelerationError> {
+    ) -> Result<Vec<Option<f64>>, AccelerationError> {
+        if setting.holds_rigidly() {
+            return Ok(vec![Some(1.0); selected.len()]);
+        }
         let structure = self.structure(setting)?;
         let receptance = growing(&structure);
         self.each(selected, memory, |run, kept| {
             let prepared = self.prepare(&structure, setting, run);
             let evaluation = self.evaluation(structure.layout(), setting, &prepared, run);
-            if evaluation.rigid() {
-                return Ok(1.0);
+            if solve(&evaluation, kept, self.tolerance).is_err() {
+                return Ok(None);
             }
-            solve(&evaluation, kept, self.tolerance).map_err(|left| not_balanced(run, left))?;
             let state = evaluation.evaluate(&kept.unknowns, &mut evaluation.grid.scratch());
-            let start = state.start.unwrap_or_else(|| setting.law.rest_at(0.0));
-            let mut locals = Vec::with_capacity(evaluation.grid.samples());
-            evaluation.contact().locals(&state.contact, start, &[], &mut locals);
             let margin = |local: &Local| {
                 let [stiffness, damping] = [SLIP, VELOCITY].map(|at| local.force[at]);
                 receptance.iter().map(|[s, r]| 1.0 + (stiffness + damping * s) * r).fold(1.0, f64::min)
             };
-            Ok(locals.iter().map(margin).fold(1.0, f64::min))
+            let (locals, _) = evaluation.locals(&state, &[]);
+            Ok(Some(locals.iter().map(margin).fold(1.0, f64::min)))
         })
     }
 }
