@@ -356,6 +356,34 @@ fn friction_that_changes_with_the_place_has_its_place() {
     }
 }
 
+/// A bristle that does not flow keeps `z = σ₀ u` from rest, its mean with it, and the force of a modulated preload is `P (1 + m cos θ) σ₀ u`: the
+/// mean slip is `ū = −R₀ F̄`, and what it makes of the modulation, `P m σ₀ ū cos θ`, is a force on the excitation's line.
+#[test]
+fn a_bristle_that_forgets_nothing_feels_its_mean_through_the_preload() {
+    let (sigma, share) = (5e5, 0.2);
+    let mut law = ModifiedLaw::dahl(sigma, 0.25);
+    law.set(Hook::Breakaway, 0.9);
+    law.set(Hook::ModulationCosine, share);
+    law.set(Hook::ModulationSine, 0.0);
+    let mut setting = Setting { law, ..setting() };
+    derivatives_agree(&stuck(), &setting);
+    // What a spring along the beam holds of the mean is no part of the compliance without it.
+    setting.ports.clear();
+    let model = stuck();
+    let found = model.contact(&setting, 1, &mut model.memory()).unwrap();
+    let samples = found.slip.len() as f64;
+    let preload = model.runs[1].preload;
+    for (k, ((slip, normal), force)) in found.slip.iter().zip(&found.normal).zip(&found.force).enumerate() {
+        let pressed = normal + preload * share * (std::f64::consts::TAU * k as f64 / samples).cos();
+        let expected = pressed * sigma * slip;
+        assert!((force - expected).abs() < 1e-6 * preload * 0.25, "{k}: {force} {expected}");
+    }
+    let mean = |samples: &[f64]| samples.iter().sum::<f64>() / samples.len() as f64;
+    let give = model.balance(&setting, &[1]).unwrap()[0].slip_gain[0].re;
+    let (slip, force) = (mean(&found.slip), mean(&found.force));
+    assert!(slip.abs() > 1e-10 && (slip / (-give * force) - 1.0).abs() < 1e-6, "{slip:e} {force:e} {give:e}");
+}
+
 /// A contact that only pushes along or against its motion has the same slopes at every instant: what grows with `s` meets the slip per
 /// force of all modes, `R(s) = Σ (r φ'_n)²/(s² + 2ζ_n ω_n s + ω_n²)`, and the margin is the least `1 + (K + cs)R(s)`.
 #[test]

@@ -188,12 +188,14 @@ impl<T: Scalar> ModifiedLaw<T> {
         factor
     }
 
-    /// Whether the friction coefficient depends on where on its path the contact is, and not only on how it moves.
+    /// Whether the friction force depends on where the contact is, and not only on how it moves: a coefficient that depends on the
+    /// place on the path, or a bristle that is elastic up to its breakaway and keeps what it came to from rest, `σ₀` times the mean
+    /// slip, which a modulated preload turns into a force on the modulation's line.
     #[must_use]
     pub fn depends_on_place(&self) -> bool {
-        [Hook::Position, Hook::PositionSquare, Hook::PositionCube, Hook::PeriodicNumber]
-            .into_iter()
-            .any(|hook| self.on(hook))
+        let along = [Hook::Position, Hook::PositionSquare, Hook::PositionCube, Hook::PeriodicNumber];
+        let keeps = self.on(Hook::Breakaway) && self.on(Hook::ModulationCosine);
+        keeps || along.into_iter().any(|hook| self.on(hook))
     }
 
     /// Whether the friction coefficient changes along a stretch.
