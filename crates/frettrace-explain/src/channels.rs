@@ -9,6 +9,7 @@ mod drift;
 mod dropout;
 mod hum;
 
+use crate::records::MOST_DIVIDED;
 use crate::{RunRecord, RunSamples, Saturation};
 use frettrace_forward::accelerations::RunLines;
 use frettrace_fourier::ProjectionError;
@@ -128,32 +129,58 @@ impl Channels {
         runs: &[RunSamples<'_>],
         noise: Option<&[f64]>,
     ) -> Result<Vec<RunRecord>, (usize, ProjectionError)> {
-        let last = runs.len().saturating_sub(1).max(1) as f64;
-        runs.iter()
-            .enumerate()
-            .map(|(k, run)| {
-                let mended = RunSamples { acceleration: &self.signal[k], ..run.clone() };
-                let mut record =
-                    RunRecord::new(&mended, noise, k as f64 / last).map_err(|source| (k, source))?;
-                for (s, raw) in run.acceleration.iter().enumerate() {
-                    record.power[s] = mean_square(raw.iter().copied());
-                }
-                let channels = run.acceleration.iter().zip(&self.signal[k]).zip(&self.clipped[k]);
-                record.excess = channels
-                    .map(|((raw, mended), clipped)| match clipped {
-                        Some(_) => 0.0,
-                        None => mean_square(raw.iter().zip(mended).map(|(a, b)| a - b)),
-                    })
-                    .collect();
-                for &(sensor, frequency, amplitude) in &self.drowning[k] {
-                    record.drown(sensor, frequency, amplitude);
-                }
-                record.silence(&self.clipped[k]);
-                Ok(record)
-            })
-            .collect::<Result<Vec<_>, _>>()
-            .map(known_noise)
+        let mut records = self.projected(runs, noise)?;
+        for (k, (run, record)) in runs.iter().zip(&mut records).enumerate() {
+            for (s, raw) in run.acceleration.iter().enumerate() {
+                record.power[s] = mean_square(raw.iter().copied());
+            }
+            let channels = run.acceleration.iter().zip(&self.signal[k]).zip(&self.clipped[k]);
+            record.excess = channels
+                .map(|((raw, mended), clipped)| match clipped {
+                    Some(_) => 0.0,
+                    None => mean_square(raw.iter().zip(mended).map(|(a, b)| a - b)),
+                })
+                .collect();
+            for &(sensor, frequency, amplitude) in &self.drowning[k] {
+                record.drown(sensor, frequency, amplitude);
+            }
+            record.silence(&self.clipped[k]);
+        }
+        Ok(known_noise(records))
     }
+
+    /// Each run on lines of its own, and on those of the fraction of the excitation that most runs move with.
+    fn projected(
+        &self,
+        runs: &[RunSamples<'_>],
+        noise: Option<&[f64]>,
+    ) -> Result<Vec<RunRecord>, (usize, ProjectionError)> {
+        let last = runs.len().saturating_sub(1).max(1) as f64;
+        let on = |k: usize, subharmonic: Option<usize>| {
+            let mended = RunSamples { acceleration: &self.signal[k], ..runs[k].clone() };
+            RunRecord::on(&mended, (noise, k as f64 / last), subharmonic).map_err(|source| (k, source))
+        };
+        let mut found = (0..runs.len()).map(|k| on(k, None)).collect::<Result<Vec<_>, _>>()?;
+        if let Some(common) = common_subharmonic(&found) {
+            for (k, record) in found.iter_mut().enumerate().filter(|(_, r)| r.periodic && r.subharmonic == 1)
+            {
+                let divided = on(k, Some(common))?;
+                if divided.periodic {
+                    *record = divided;
+                }
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// The fraction of the excitation, one over this, with which most periodic runs move: what moves them so may be in the others too, beneath their
+/// noise.
+fn common_subharmonic(records: &[RunRecord]) -> Option<usize> {
+    let periodic: Vec<usize> = records.iter().filter(|r| r.periodic).map(|r| r.subharmonic).collect();
+    let most =
+        |subharmonic: &usize| 2 * periodic.iter().filter(|s| *s == subharmonic).count() > periodic.len();
+    (2..=MOST_DIVIDED).find(most)
 }
 
 /// Whether a channel holds more beside the lines than noise.

@@ -85,6 +85,8 @@ const MOST_TRIED: usize = 400;
 /// they must lessen it: four standard deviations of a level of 20 000 samples. What they are is compared with nothing, so that
 /// lines of mere noise do no harm.
 const ABOVE: f64 = 1.02;
+/// Largest divisor of the excitation's frequency that a motion is looked for at.
+pub(crate) const MOST_DIVIDED: usize = 5;
 /// Lines of the excitation on which a subharmonic must show.
 const FEW_LINES: usize = 30;
 /// Factor on what lies beside the lines by which more lines must lessen it.
@@ -114,6 +116,15 @@ impl RunRecord {
     /// # Errors
     /// Those of the projection.
     pub fn new(run: &RunSamples<'_>, noise: Option<&[f64]>, progress: f64) -> Result<Self, ProjectionError> {
+        Self::on(run, (noise, progress), None)
+    }
+
+    /// The same on the lines of a fraction of the excitation, one over `subharmonic`, or of the first that holds the run.
+    pub(crate) fn on(
+        run: &RunSamples<'_>,
+        (noise, progress): (Option<&[f64]>, f64),
+        subharmonic: Option<usize>,
+    ) -> Result<Self, ProjectionError> {
         let nominal = std::f64::consts::TAU * run.excitation_frequency;
         let samples = run.force.len();
         let of_base = |base: f64, order: usize| Lines {
@@ -142,11 +153,13 @@ impl RunRecord {
                 *best = Some(Trial { subharmonic, channels, force, ratio });
             }
         };
-        tried(&mut best, 1, MOST_LINES);
-        if best.as_ref().is_none_or(|found| found.ratio > ABOVE) && all > MOST_LINES {
+        let first = subharmonic.unwrap_or(1);
+        tried(&mut best, first, MOST_LINES);
+        if first == 1 && best.as_ref().is_none_or(|found| found.ratio > ABOVE) && all > MOST_LINES {
             tried(&mut best, 1, MOST_TRIED);
         }
-        for subharmonic in 2..=5 {
+        let others = if subharmonic.is_none() { MOST_DIVIDED } else { first };
+        for subharmonic in first + 1..=others {
             if !open(best.as_ref()) {
                 break;
             }

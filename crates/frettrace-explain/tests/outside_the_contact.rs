@@ -579,6 +579,28 @@ fn white(k: u64) -> f64 {
     ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
 }
 
+/// What moves most runs with half the frequency is in a quiet one too, where its line of 0.002 m/s² is the 0.04th of the noise; a single loud run says nothing
+/// of the others.
+#[test]
+fn what_most_runs_move_with_is_in_the_quiet_ones_too() {
+    let excitation = 94.3;
+    let line = |h: f64, k: u64| (TAU * h * excitation * k as f64 / RATE).cos();
+    let force: Vec<f64> = (0..2048).map(|k| line(1.0, k)).collect();
+    let channel = |run: u64, size: f64| {
+        let one = |k: u64| size * (line(1.0, k) + 0.04 * line(0.5, k));
+        (0..2048).map(|k| one(k) + NOISE * 12.0_f64.sqrt() * white(k + 2048 * run)).collect::<Vec<f64>>()
+    };
+    let subharmonics = |sizes: [f64; 3]| {
+        let acceleration = [0, 1, 2].map(|run| [channel(run as u64, sizes[run])]);
+        let runs: Vec<_> = acceleration.iter().map(|channels| run(excitation, &force, channels)).collect();
+        let (found, _) = records(&runs, Some(&[NOISE])).unwrap();
+        assert!(found.iter().all(|record| record.periodic));
+        found.iter().map(|record| record.subharmonic).collect::<Vec<_>>()
+    };
+    assert_eq!(subharmonics([0.05, 10.0, 20.0]), [2, 2, 2]);
+    assert_eq!(subharmonics([0.05, 0.1, 20.0]), [1, 1, 2]);
+}
+
 /// A free decay beside a line of 32.8 Hz: lines at the fifths of that, of which 6.56 Hz is near to its 6.9 Hz, hold most of it and leave
 /// more than the noise. It is a motion that has not settled, by a share of its power of 4e-5, and no subharmonic one.
 #[test]

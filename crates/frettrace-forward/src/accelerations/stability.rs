@@ -10,24 +10,29 @@
 //! beyond the beam, so that it has a root where its least value is below nothing: there the contact passes a fold and snaps to another part of
 //! its characteristic, within a time that no line of a balance resolves. Near that the beam gives way, and a balance, whose lines end, is
 //! another motion than the beam's. Damping of the bristle that fades with the velocity is what makes `K` and `c` negative.
+//!
+//! What grows no faster than the lines of the balance follow is in the balance: friction that falls within a stroke makes `K` strongly negative, and the
+//! balance has the beam's own motion all the same. Rates are asked from a share of the last line's `HΩ` on.
 
 use super::contact::Local;
 use super::model::{AccelerationError, AccelerationModel, Memory};
 use super::setting::Setting;
 use super::solve::solve;
-use super::structure::Structure;
 
 /// Directions of slip and velocity at the end of a step among those of its motion.
 const SLIP: usize = Local::MOTION + 1;
 const VELOCITY: usize = Local::MOTION + 3;
+/// Share of the last line's frequency up to which lines follow a growth: by a fifth within half a wave of that line.
+const FOLLOWED: f64 = 1.0 / 16.0;
 /// Rates of growth that are asked, four in each octave, …
 const PER_OCTAVE: f64 = 4.0;
-/// … from the lowest natural frequency to this many times the highest.
+/// … from there to this many times the highest natural frequency.
 const BEYOND: f64 = 4.0;
 
 impl AccelerationModel {
-    /// Least `1 + (K + c s) R(s)` over all instants of a run's settled motion and all rates `s > 0`, one value a selected run: 1 where the contact
-    /// only holds and damps, below nothing where it snaps, `None` where the run's balance does not close. A rigid contact has no slopes, and 1.
+    /// Least `1 + (K + c s) R(s)` over all instants of a run's settled motion and all rates `s` that its lines do not follow, one value a selected
+    /// run: 1 where the contact only holds and damps, below nothing where it snaps, `None` where the run's balance does not close. A rigid
+    /// contact has no slopes, and 1.
     ///
     /// # Errors
     /// [`AccelerationError`] where the structure cannot be built.
@@ -41,7 +46,7 @@ impl AccelerationModel {
             return Ok(vec![Some(1.0); selected.len()]);
         }
         let structure = self.structure(setting)?;
-        let receptance = growing(&structure);
+        let modes: Vec<[f64; 3]> = structure.modes_of_slip().collect();
         self.each(selected, memory, |run, kept| {
             let prepared = self.prepare(&structure, setting, run);
             let evaluation = self.evaluation(structure.layout(), setting, &prepared, run);
@@ -49,6 +54,8 @@ impl AccelerationModel {
                 return Ok(None);
             }
             let state = evaluation.evaluate(&kept.unknowns, &mut evaluation.grid.scratch());
+            let last = evaluation.order() as f64 * self.runs[run].omega;
+            let receptance = growing(&modes, FOLLOWED * last);
             let margin = |local: &Local| {
                 let [stiffness, damping] = [SLIP, VELOCITY].map(|at| local.force[at]);
                 receptance.iter().map(|[s, r]| 1.0 + (stiffness + damping * s) * r).fold(1.0, f64::min)
@@ -59,19 +66,17 @@ impl AccelerationModel {
     }
 }
 
-/// Rates of growth (1/s) and the slip per force (m/N) that grows with each.
-fn growing(structure: &Structure) -> Vec<[f64; 2]> {
-    let modes: Vec<[f64; 3]> = structure.modes_of_slip().collect();
-    let frequencies = || modes.iter().map(|[frequency, ..]| *frequency);
-    let lowest = frequencies().fold(f64::INFINITY, f64::min);
-    let octaves = (BEYOND * frequencies().fold(0.0, f64::max) / lowest).log2();
-    let rates =
-        (0..=(PER_OCTAVE * octaves).max(0.0) as usize).map(|k| lowest * (k as f64 / PER_OCTAVE).exp2());
+/// Rates of growth (1/s), from the slowest on, and the slip per force (m/N) that grows with each, of modes of a natural frequency (rad/s), a damping
+/// ratio and a participation.
+fn growing(modes: &[[f64; 3]], slowest: f64) -> Vec<[f64; 2]> {
+    let highest = modes.iter().map(|[frequency, ..]| *frequency).fold(0.0, f64::max);
+    let octaves = (BEYOND * highest / slowest).log2().max(0.0);
     let receptance = |s: f64| -> f64 {
         let one = |[frequency, damping, participation]: &[f64; 3]| {
             participation * participation / (s * (s + 2.0 * damping * frequency) + frequency * frequency)
         };
         modes.iter().map(one).sum()
     };
+    let rates = (0..=(PER_OCTAVE * octaves) as usize).map(|k| slowest * (k as f64 / PER_OCTAVE).exp2());
     rates.map(|s| [s, receptance(s)]).collect()
 }
