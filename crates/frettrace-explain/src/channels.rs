@@ -161,13 +161,11 @@ impl Channels {
             RunRecord::on(&mended, (noise, k as f64 / last), subharmonic).map_err(|source| (k, source))
         };
         let mut found = (0..runs.len()).map(|k| on(k, None)).collect::<Result<Vec<_>, _>>()?;
-        if let Some(common) = common_subharmonic(&found) {
-            for (k, record) in found.iter_mut().enumerate().filter(|(_, r)| r.periodic && r.subharmonic == 1)
-            {
-                let divided = on(k, Some(common))?;
-                if divided.periodic {
-                    *record = divided;
-                }
+        let Some(common) = common_subharmonic(&found) else { return Ok(found) };
+        for (k, record) in found.iter_mut().enumerate().filter(|(_, r)| r.periodic && r.subharmonic == 1) {
+            // A record too short for these lines stays on its own.
+            if let Some(divided) = on(k, Some(common)).ok().filter(|divided| divided.periodic) {
+                *record = divided;
             }
         }
         Ok(found)

@@ -24,8 +24,9 @@ const QUICK: f64 = 1.0;
 /// sideways, a frequency whose deviation no error shows, a grid that was made finer once where twice was needed, a law bent by a resonance, a cube that dampings had
 /// taken up, one that yields, a support that rubs, a damping that a coarse grid bent, a bent reading whose mean hid a structure that was off; friction along the
 /// path with another formula, twice, in runs without a period that rest elsewhere, and a lag on its way that a film was ahead of; two contacts
-/// that snap, and a wear whose course the runs held out had to tell.
-const MENDED: [(u64, &str); 52] = [
+/// that snap, and a wear whose course the runs held out had to tell; modulations of the preload that the mean of a bristle carries, twice, and one without a
+/// line in the quietest run.
+const MENDED: [(u64, &str); 55] = [
     (251, "clean 2 lugre rotation"),
     (251, "structure.quadratic-damping 1 hybrid transverse"),
     (251, "unlisted:structure/even-stiffness 1 dahl transverse"),
@@ -78,6 +79,9 @@ const MENDED: [(u64, &str); 52] = [
     (306, "measurement.delay/low-pass 1 hybrid rotation"),
     (307, "measurement.clipping/soft 2 hybrid rotation"),
     (307, "friction.wear/settling 2 hybrid rotation"),
+    (302, "excitation.preload-modulation 2 hybrid rotation"),
+    (308, "excitation.preload-modulation 2 hybrid transverse"),
+    (309, "excitation.preload-modulation/square 2 dahl rotation"),
 ];
 
 fn run() -> anyhow::Result<Outcome> {
