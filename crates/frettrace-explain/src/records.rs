@@ -153,13 +153,12 @@ impl RunRecord {
                 *best = Some(Trial { subharmonic, channels, force, ratio });
             }
         };
-        let first = subharmonic.unwrap_or(1);
+        let (first, last) = subharmonic.map_or((1, MOST_DIVIDED), |only| (only, only));
         tried(&mut best, first, MOST_LINES);
         if first == 1 && best.as_ref().is_none_or(|found| found.ratio > ABOVE) && all > MOST_LINES {
             tried(&mut best, 1, MOST_TRIED);
         }
-        let others = if subharmonic.is_none() { MOST_DIVIDED } else { first };
-        for subharmonic in first + 1..=others {
+        for subharmonic in first + 1..=last {
             if !open(best.as_ref()) {
                 break;
             }
