@@ -2,6 +2,7 @@
 
 use crate::contact_search::{few_of_each, within_reach};
 use crate::effects::{ALL, StructureForm};
+use crate::fitting::to_rank;
 use crate::study::merge;
 use crate::{Study, Unknown};
 use frettrace_forward::accelerations::{AccelerationModel, Balance, Beside, Quantity, Setting};
@@ -212,13 +213,7 @@ impl Study<'_> {
     ) -> BalanceCandidate {
         let problem = BalanceProblem::new(self, form.setting.clone(), unknowns);
         let count = problem.residual_count() as f64;
-        let settings = FitSettings {
-            max_iterations: most,
-            relative_tolerance: 1e-3,
-            absolute_tolerance: 0.5,
-            secant: true,
-            ..FitSettings::default()
-        };
+        let settings = FitSettings { secant: true, ..to_rank(most) };
         let (setting, cost) = match fit(&problem, &problem.start(), &settings) {
             Ok(found) => (problem.at(&found.values), found.cost),
             Err(_) => (form.setting.clone(), f64::INFINITY),

@@ -5,12 +5,23 @@ use frettrace_forward::accelerations::{
     AccelerationModel, Linearised, Memory, Prediction, Quantity, Setting,
 };
 use frettrace_friction::effects::{Hook, ModifiedLaw};
-use frettrace_identify::{Model, NoSolution, Parameter, Transform};
+use frettrace_identify::{FitSettings, Model, NoSolution, Parameter, Transform};
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 
 /// Size of a damping over one that takes the whole friction at the largest slip velocity.
 const DAMPING: f64 = 0.1;
+
+/// How a candidate is fitted that is ranked by what it leaves, and begins a fit of the whole model: to a thousandth of χ² or a half, beside
+/// which evidence of 10 is told.
+pub(crate) fn to_rank(most: usize) -> FitSettings {
+    FitSettings {
+        max_iterations: most,
+        relative_tolerance: 1e-3,
+        absolute_tolerance: 0.5,
+        ..FitSettings::default()
+    }
+}
 
 /// A quantity of the acceleration-level model with what is known of it.
 #[derive(Clone, Debug, PartialEq)]

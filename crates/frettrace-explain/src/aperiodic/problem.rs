@@ -2,9 +2,10 @@
 
 use super::run::{Open, OpenRun};
 use crate::contact_fit::LANES;
+use crate::fitting::to_rank;
 use frettrace_friction::Gradient;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
-use frettrace_identify::{Fit, FitSettings, IdentifyError, Model, NoSolution, Parameter, fit_with_memory};
+use frettrace_identify::{Fit, IdentifyError, Model, NoSolution, Parameter, fit_with_memory};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -29,12 +30,7 @@ impl OpenProblem<'_> {
     /// Fits it in at most so many steps, from errors of the runs that go with a law near it.
     pub fn solve(&self, most: usize, memory: &mut Vec<Open>) -> Result<Fit, IdentifyError> {
         let start: Vec<f64> = self.hooks.iter().map(|h| self.law.get(*h).unwrap_or_default()).collect();
-        let settings = FitSettings {
-            max_iterations: most,
-            relative_tolerance: 1e-3,
-            absolute_tolerance: 0.5,
-            ..FitSettings::default()
-        };
+        let settings = to_rank(most);
         fit_with_memory(self, &start, &settings, memory)
     }
 

@@ -2,6 +2,7 @@
 
 use super::{Contacts, Recovered};
 use crate::effects::FREE;
+use crate::fitting::to_rank;
 use crate::series_fit::SeriesContact;
 use frettrace_forward::accelerations::{FrequencyRatio, Quantity};
 use frettrace_friction::effects::{Hook, ModifiedLaw, ModifiedState};
@@ -54,13 +55,7 @@ impl<'a> ContactProblem<'a> {
         let values = self.hooks.iter().map(|h| self.law.get(*h).unwrap_or_default());
         let means = means.iter().copied().chain(std::iter::repeat(0.0));
         let start: Vec<f64> = values.chain(means).take(self.parameters.len()).collect();
-        let settings = FitSettings {
-            max_iterations: most,
-            relative_tolerance: 1e-3,
-            absolute_tolerance: 0.5,
-            secant: true,
-            ..FitSettings::default()
-        };
+        let settings = FitSettings { secant: true, ..to_rank(most) };
         fit(self, &start, &settings)
     }
 

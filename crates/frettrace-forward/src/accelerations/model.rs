@@ -1,7 +1,7 @@
 //! The model of all runs: prediction of the accelerations' lines from the excitation alone, and its derivatives.
 
 use super::differentiation::{Differentiation, distort};
-use super::run::{Evaluation, RunLines};
+use super::run::{Evaluation, RunLines, State};
 use super::setting::{Quantity, Rig, Setting};
 use super::solve::{RunMemory, approach, solve};
 use super::structure::{Block, Layout, Structure};
@@ -292,6 +292,21 @@ impl AccelerationModel {
         Ok(Some((other, distance)))
     }
 
+    /// What is asked of the settled state of a run.
+    pub(super) fn settled<T>(
+        &self,
+        (structure, setting): (&Structure, &Setting),
+        run: usize,
+        kept: &mut RunMemory,
+        asked: impl FnOnce(&Evaluation<'_>, State) -> T,
+    ) -> Result<T, AccelerationError> {
+        let prepared = self.prepare(structure, setting, run);
+        let evaluation = self.evaluation(structure.layout(), setting, &prepared, run);
+        solve(&evaluation, kept, self.tolerance).map_err(|left| not_balanced(run, left))?;
+        let state = evaluation.evaluate(&kept.unknowns, &mut evaluation.grid.scratch());
+        Ok(asked(&evaluation, state))
+    }
+
     /// Recovered motions and forces of a run: the settled state at the current memory, for plots and shapes.
     ///
     /// # Errors
@@ -304,11 +319,7 @@ impl AccelerationModel {
     ) -> Result<ContactHistory, AccelerationError> {
         let structure = self.structure(setting)?;
         let histories = self.each(&[run], memory, |run, kept| {
-            let prepared = self.prepare(&structure, setting, run);
-            let evaluation = self.evaluation(structure.layout(), setting, &prepared, run);
-            solve(&evaluation, kept, self.tolerance).map_err(|left| not_balanced(run, left))?;
-            let state = evaluation.evaluate(&kept.unknowns, &mut evaluation.grid.scratch());
-            Ok(ContactHistory {
+            self.settled((&structure, setting), run, kept, |_, state| ContactHistory {
                 slip: state.contact.slip,
                 velocity: state.contact.velocity,
                 normal: state.contact.normal,

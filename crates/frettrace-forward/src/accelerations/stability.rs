@@ -17,7 +17,6 @@
 use super::contact::Local;
 use super::model::{AccelerationError, AccelerationModel, Memory};
 use super::setting::Setting;
-use super::solve::solve;
 
 /// Directions of slip and velocity at the end of a step among those of its motion.
 const SLIP: usize = Local::MOTION + 1;
@@ -48,20 +47,17 @@ impl AccelerationModel {
         let structure = self.structure(setting)?;
         let modes: Vec<[f64; 3]> = structure.modes_of_slip().collect();
         self.each(selected, memory, |run, kept| {
-            let prepared = self.prepare(&structure, setting, run);
-            let evaluation = self.evaluation(structure.layout(), setting, &prepared, run);
-            if solve(&evaluation, kept, self.tolerance).is_err() {
-                return Ok(None);
-            }
-            let state = evaluation.evaluate(&kept.unknowns, &mut evaluation.grid.scratch());
-            let last = evaluation.order() as f64 * self.runs[run].omega;
-            let receptance = growing(&modes, FOLLOWED * last);
-            let margin = |local: &Local| {
-                let [stiffness, damping] = [SLIP, VELOCITY].map(|at| local.force[at]);
-                receptance.iter().map(|[s, r]| 1.0 + (stiffness + damping * s) * r).fold(1.0, f64::min)
-            };
-            let (locals, _) = evaluation.locals(&state, &[]);
-            Ok(Some(locals.iter().map(margin).fold(1.0, f64::min)))
+            let margin = self.settled((&structure, setting), run, kept, |evaluation, state| {
+                let last = evaluation.order() as f64 * self.runs[run].omega;
+                let receptance = growing(&modes, FOLLOWED * last);
+                let margin = |local: &Local| {
+                    let [stiffness, damping] = [SLIP, VELOCITY].map(|at| local.force[at]);
+                    receptance.iter().map(|[s, r]| 1.0 + (stiffness + damping * s) * r).fold(1.0, f64::min)
+                };
+                let (locals, _) = evaluation.locals(&state, &[]);
+                locals.iter().map(margin).fold(1.0, f64::min)
+            });
+            Ok(margin.ok())
         })
     }
 }
