@@ -157,7 +157,7 @@ impl Channels {
     ) -> Result<Vec<RunRecord>, (usize, ProjectionError)> {
         let last = runs.len().saturating_sub(1).max(1) as f64;
         let on = |k: usize, subharmonic: Option<usize>| {
-            let mended = RunSamples { acceleration: &self.signal[k], ..runs[k].clone() };
+            let mended = RunSamples { acceleration: &self.signal[k], ..runs[k] };
             RunRecord::on(&mended, (noise, k as f64 / last), subharmonic).map_err(|source| (k, source))
         };
         let mut found = (0..runs.len()).map(|k| on(k, None)).collect::<Result<Vec<_>, _>>()?;

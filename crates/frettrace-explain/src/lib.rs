@@ -48,4 +48,7 @@ pub use shapes::{Shape, shapes};
 pub use split::Split;
 pub use start::histories;
 pub use study::{ExplainError, Fitted, RunError, Study, soften};
-pub use verdict::{BALANCE_CLOSED_RUN, Named, Outcome, Place, Tried, Verdict, explain};
+pub use verdict::{
+    BALANCE_CLOSED, BALANCE_CLOSED_RUN, Named, Outcome, Place, SeenSupport, Tried, Verdict, explain,
+    peak_from_rest,
+};

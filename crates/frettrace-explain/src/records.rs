@@ -10,7 +10,7 @@ use num_complex::Complex64;
 use std::sync::Arc;
 
 /// Samples of one run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct RunSamples<'a> {
     /// Sampling rate (Hz).
     pub sampling_rate: f64,

@@ -14,11 +14,13 @@ mod baseline;
 mod choice;
 mod contact_rounds;
 mod finer;
+mod open_runs;
 mod outcome;
 mod outside_rounds;
 mod rules;
 mod steady;
 
+pub use open_runs::{SeenSupport, peak_from_rest};
 pub use outcome::{Named, Outcome, Place, Tried, Verdict};
 pub use steady::explain;
 
@@ -47,8 +49,9 @@ pub(crate) const HELD_OUT_SHARE: f64 = 0.5;
 /// The structure is calibrated on the balance above this χ² per degree of freedom: with the thousand degrees of freedom of
 /// a set, two standard deviations.
 pub(crate) const BALANCE_CALIBRATED: f64 = 1.1;
-/// The balance of all training runs is closed below this χ² per degree of freedom, that of each below [`BALANCE_CLOSED_RUN`], …
-pub(crate) const BALANCE_CLOSED: f64 = 1.6;
+/// χ² per degree of freedom below which the balance of all training runs is closed, where that of each is below [`BALANCE_CLOSED_RUN`], and that
+/// of a whole spectrum: its thousands of bins scatter by some per cent.
+pub const BALANCE_CLOSED: f64 = 1.6;
 /// … and wide open above this, where a law would only be bent to what is missing.
 const BALANCE_WIDE: f64 = 100.0;
 /// χ² per degree of freedom below which the balance of one run is closed.

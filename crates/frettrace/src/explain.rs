@@ -2,6 +2,7 @@
 
 mod aperiodic;
 mod contact_record;
+mod open_runs;
 
 use crate::results::{
     BeforeAfter, Candidate, Control, Effect, ErrorSummary, Estimate, Explanation, HeldOut, Identification,
@@ -47,7 +48,8 @@ pub fn explain(
     if case::is_told_by_contacts(&case) {
         return aperiodic::explain(measurement, options, (&case, &recovered), progress);
     }
-    let outcome = frettrace_explain::explain(&case)?;
+    let mut outcome = frettrace_explain::explain(&case)?;
+    open_runs::ask(measurement, (&case, &recovered), &mut outcome)?;
     let shown = frettrace_explain::exhibits(&case, &outcome)?;
     progress.step();
     let controls = if options.controls > 0 {

@@ -111,6 +111,26 @@ fn a_motion_of_the_base_is_named_without_a_period() {
     is_near(&found, "mu_k", 0.24, 0.01);
 }
 
+/// A stop that the beam reaches in the loudest run alone, which has no period: all periodic runs lack nothing, and a force at the stop closes
+/// the balance of that run. The place to 1 % of the length; without the name something is missing in the structure.
+#[test]
+fn a_stop_that_only_a_run_without_a_period_reaches_is_found() {
+    let effect = "[[run]]\nfrequency_hz = 93.7\npreload_n = 20.0\nforce_amplitude_n = [20.0]\nbeat_share = 0.5\nbeat_frequency_ratio = 0.1617\n[[effect]]\nid = \"structure.second-support\"\nposition_m = 0.3\nstiffness_n_per_m = 2e4\ngap_m = 9e-5\n";
+    let found = explained(effect).unwrap();
+    assert_eq!(
+        (found.verdict, found.place),
+        (Verdict::Explained, Some(Place::Structure)),
+        "{:?}",
+        found.notes
+    );
+    assert_eq!(names(&found), ["structure.second-support"]);
+    let support = &found.effects[0];
+    assert!((support.position_m.unwrap() - 0.3).abs() < 0.0052, "{support:?}");
+    let without = ["structure.second-support".to_owned()].into();
+    let left_out = explained_with(effect, &ExplainOptions { without, ..ExplainOptions::default() }).unwrap();
+    assert_eq!((left_out.verdict, left_out.place), (Verdict::Unexplained, Some(Place::Structure)));
+}
+
 /// Controls draw periodic runs: where there are none, one line says so.
 #[test]
 fn controls_are_refused_without_a_period() {

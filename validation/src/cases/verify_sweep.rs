@@ -25,8 +25,8 @@ const QUICK: f64 = 1.0;
 /// taken up, one that yields, a support that rubs, a damping that a coarse grid bent, a bent reading whose mean hid a structure that was off; friction along the
 /// path with another formula, twice, in runs without a period that rest elsewhere, and a lag on its way that a film was ahead of; two contacts
 /// that snap, and a wear whose course the runs held out had to tell; modulations of the preload that the mean of a bristle carries, twice, and one without a
-/// line in the quietest run.
-const MENDED: [(u64, &str); 55] = [
+/// line in the quietest run; a stop that only a run without a period reaches.
+const MENDED: [(u64, &str); 56] = [
     (251, "clean 2 lugre rotation"),
     (251, "structure.quadratic-damping 1 hybrid transverse"),
     (251, "unlisted:structure/even-stiffness 1 dahl transverse"),
@@ -82,6 +82,7 @@ const MENDED: [(u64, &str); 55] = [
     (302, "excitation.preload-modulation 2 hybrid rotation"),
     (308, "excitation.preload-modulation 2 hybrid transverse"),
     (309, "excitation.preload-modulation/square 2 dahl rotation"),
+    (310, "structure.second-support/round 2 hybrid transverse"),
 ];
 
 fn run() -> anyhow::Result<Outcome> {

@@ -25,6 +25,8 @@ use std::f64::consts::TAU;
 #[derive(Clone, Debug)]
 pub(super) struct Open {
     pub place: EffectPlace,
+    /// What shows the place, and with how open the balance is.
+    pub why: String,
     pub note: String,
 }
 
@@ -68,6 +70,7 @@ pub(super) fn open(
     let (all, worst) = reduced(&whole);
     let open = |place, why: &str| Open {
         place,
+        why: why.to_owned(),
         note: format!(
             "no contact force closes the balance without a law (χ² per degree of freedom {all:.2}, {worst:.2} in the worst run): {why}"
         ),

@@ -114,6 +114,22 @@ pub fn explain_whole(
     Ok(outcome(search, (baseline, model)))
 }
 
+/// Where the balance of some runs without a period, by their indices, is open, and what shows it.
+///
+/// # Errors
+/// [`ExplainError::Model`] where the rig cannot be modelled.
+pub fn open_place(
+    case: &Case,
+    samples: &[RunSamples<'_>],
+    runs: &[(usize, WholeRun)],
+) -> Result<(EffectPlace, String), ExplainError> {
+    let part = Case { records: runs.iter().map(|(k, _)| case.records[*k].clone()).collect(), ..case.clone() };
+    let samples: Vec<RunSamples<'_>> = runs.iter().map(|(k, _)| samples[*k]).collect();
+    let own: Vec<(usize, &WholeRun)> = runs.iter().map(|(_, run)| run).enumerate().collect();
+    let found = balance::open(&part, &samples, &own)?;
+    Ok((found.place, found.why))
+}
+
 /// An outcome beside a motion of the base that was told before: it is named where the rest is explained, and is the place of what is missing in any
 /// case. Errors are those of the accelerations then, as the balance has them without and with it.
 #[must_use]

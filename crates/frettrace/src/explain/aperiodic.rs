@@ -73,7 +73,7 @@ fn wave(amplitude: Complex64, turn: f64) -> impl Iterator<Item = f64> {
 }
 
 /// What was recovered of a run, with what that leaves open; `None` where nothing was.
-fn whole(run: &RunReconstruction) -> Option<WholeRun> {
+pub(super) fn whole(run: &RunReconstruction) -> Option<WholeRun> {
     let contact = run.contact.as_ref().filter(|_| run.lines.form == Form::Aperiodic)?;
     let (rate, samples) = (run.lines.sampling_rate, run.lines.samples);
     let sampled =
