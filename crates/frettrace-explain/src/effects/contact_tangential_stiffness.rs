@@ -43,11 +43,12 @@ impl Effect for ContactTangentialStiffness {
         ]
     }
 
-    /// A spring beside the contact that hardens or softens.
+    /// A spring beside the contact that hardens or softens, and pulls back at rest.
     fn shape(&self, _law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<Change> {
         let size = 0.02 * scales.preload / scales.slip;
-        [(Hook::ParallelStiffness, size), (Hook::ParallelCubic, size / (scales.slip * scales.slip))]
-            .map(|(hook, size)| Change { start: 0.0, ..Change::signed(hook, size) })
+        let cubic = Change::signed(Hook::ParallelCubic, size / (scales.slip * scales.slip));
+        [Change::from_zero(Hook::ParallelStiffness, size), cubic]
+            .map(|change| Change { start: 0.0, ..change })
             .into()
     }
 }

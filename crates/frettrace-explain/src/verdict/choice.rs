@@ -80,10 +80,15 @@ impl Search<'_> {
 
     /// Whether the last effect of a model is one that another, simpler one, would be too.
     fn is_idle(&self, model: &Explained) -> bool {
+        let (law, reach) = (&model.fitted.setting.law, self.reach());
+        model.effects.last().is_some_and(|&effect| ALL[effect].is_idle(law, reach))
+    }
+
+    /// What the fitted runs reach.
+    pub(super) fn reach(&self) -> Reach {
         let runs = self.study.training.iter().map(|&run| &self.study.model.runs[run]);
         let step = runs.map(|run| std::f64::consts::TAU / run.omega / run.samples as f64);
-        let reach = Reach { step: step.fold(f64::INFINITY, f64::min), stroke: 2.0 * self.study.scales.slip };
-        model.effects.last().is_some_and(|&effect| ALL[effect].is_idle(&model.fitted.setting.law, reach))
+        Reach { step: step.fold(f64::INFINITY, f64::min), stroke: 2.0 * self.study.scales.slip }
     }
 
     /// Whether the last effect of `richer` is that of `simpler` by another name: it contains it, and has nothing of its own beside.

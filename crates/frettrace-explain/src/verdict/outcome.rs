@@ -100,7 +100,14 @@ impl Search<'_> {
         let filled = near && borne_out;
         let misread = filled && self.misread(&model);
         let contradicted = self.series_contradicts(&model);
-        let complete = filled && !nameless && shaken.is_none() && !self.strained && !misread && !contradicted;
+        let stands_in = filled && self.stands_in(&mut model);
+        let complete = filled
+            && !nameless
+            && shaken.is_none()
+            && !self.strained
+            && !misread
+            && !contradicted
+            && !stands_in;
         let verdict = match (model.effects.is_empty() && named.is_empty(), complete) {
             (true, true) => Verdict::NothingMissing,
             (false, true) => Verdict::Explained,
@@ -249,14 +256,37 @@ impl Search<'_> {
     }
 
     /// Whether one set of values of a model, by which held-out runs are helped but not followed, follows all runs, and leaves no more beside
-    /// the noise of their lines than that is: what was missed is what the fitted runs do not tell of the values.
+    /// the noise of their lines than that is: what was missed is what the fitted runs do not tell of the values. Two effects have enough values to
+    /// follow what is neither.
     fn is_of_one_model(&mut self, model: &Explained, after: f64) -> bool {
         let joint = || self.study.jointly(model);
-        let follows = model.complete() && joint().is_some_and(|joint| joint.left().is_near_noise());
+        let single = self.claimed(model) == 1;
+        let follows = single && model.complete() && joint().is_some_and(|joint| joint.left().is_near_noise());
         if follows {
             self.notes.push(of_one(after));
         }
         follows
+    }
+
+    /// Whether an effect of the model shows nothing of what its name says: of a wave along the path less than one is travelled. It is the simpler one
+    /// that it becomes then, under that one's name; where there is none in the list, it stands in for what has no name.
+    fn stands_in(&mut self, model: &mut Explained) -> bool {
+        let (law, reach) = (model.fitted.setting.law, self.reach());
+        let mut nameless = None;
+        for effect in model.effects.iter_mut().filter(|effect| ALL[**effect].is_idle(&law, reach)) {
+            let simpler = ALL[*effect].simpler(&law);
+            let named = simpler.iter().find(|simpler| self.study.case.allows(simpler.id));
+            match named.and_then(|simpler| ALL.iter().position(|e| e.id() == simpler.id)) {
+                Some(other) => *effect = other,
+                None => nameless = Some(ALL[*effect].id()),
+            }
+        }
+        if let Some(id) = nameless {
+            self.notes.push(format!(
+                "{id} takes what is missing, but shows nothing of what it says: it stands in for what is in no list"
+            ));
+        }
+        nameless.is_some()
     }
 
     /// Whether a sensor that has a named fault with one formula only is still the one that the model misses: it has another fault.
