@@ -52,6 +52,9 @@ const DEAF_NOISE: f64 = 1.5;
 const DEAF_RIVAL: f64 = 0.5;
 /// … and runs it takes to tell.
 const DEAF_RUNS: usize = 3;
+/// What closes an open balance best that is told beside a structure of its own, and the steps of its fit.
+const NEAREST: usize = 4;
+const CALIBRATED: usize = 20;
 /// Places are of equal standing within this factor of the best.
 const NEAR: f64 = 1.3;
 
@@ -91,13 +94,33 @@ impl Asks {
 }
 
 /// What may close an open balance.
+#[derive(Clone, Copy)]
 enum Source {
     /// A sensor, or a motion of the base: the place is told by itself.
-    Of(EffectPlace),
+    Of(EffectPlace, Beside),
     /// A force or a moment at the exciter.
     Exciter(Located),
     /// A force elsewhere.
     Elsewhere(Located),
+}
+
+/// The same beside a structure, and the χ² by which it is ranked.
+#[derive(Clone)]
+struct Told {
+    source: Source,
+    setting: Setting,
+    chi: f64,
+}
+
+impl Told {
+    fn excites(&self) -> bool {
+        matches!(self.source, Source::Of(EffectPlace::Excitation, _) | Source::Exciter(_))
+    }
+
+    fn by(source: Source, setting: Setting, chi: f64) -> Self {
+        let weight = if matches!(source, Source::Exciter(_)) { EXCITER } else { 1.0 };
+        Self { source, setting, chi: weight * chi }
+    }
 }
 
 impl Study<'_> {
@@ -131,46 +154,88 @@ impl Study<'_> {
     /// Where an open balance is open: one more free value a line closes it best at one sensor, as a motion of the base, as a force
     /// or a moment at the exciter, or as a force elsewhere on the beam. All have the same number of unknowns, so χ² alone decides;
     /// that over its degrees of freedom is given with the place. Where none stands out it is the structure, which may be another one
-    /// everywhere.
+    /// everywhere. The structure within its deviations may do what a free value does, so those that are best are told beside the one that fits them.
     pub(crate) fn open_place(&self, setting: &Setting) -> (EffectPlace, f64) {
         let sensors = self.case.rig.sensors.len();
         let mut plain = setting.clone();
         plain.ports.clear();
-        let beside = |place, beside| (Source::Of(place), self.chi_beside(&plain, beside));
-        let sensed = (0..sensors).map(|s| beside(EffectPlace::Measurement, Beside::Sensor(s)));
-        let mut tried: Vec<(Source, f64)> = sensed.collect();
-        tried.push(beside(EffectPlace::Excitation, Beside::Base));
+        let free = |place, beside| {
+            let chi = self.chi_beside(&plain, beside);
+            Told { source: Source::Of(place, beside), setting: plain.clone(), chi }
+        };
+        let sensed = (0..sensors).map(|s| free(EffectPlace::Measurement, Beside::Sensor(s)));
+        let mut tried: Vec<Told> = sensed.chain([free(EffectPlace::Excitation, Beside::Base)]).collect();
+        let located = |source: fn(Located) -> Source, located: Option<Located>| {
+            located.map(|l| Told::by(source(l), plain.clone(), l.chi))
+        };
         let exciter = self.case.rig.exciter;
         for place in [PortPlace::At(exciter), PortPlace::Turn(exciter)] {
-            let located = self.located_at(&plain, place);
-            tried.extend(located.map(|l| (Source::Exciter(l), EXCITER * l.chi)));
+            tried.extend(located(Source::Exciter, self.located_at(&plain, place)));
         }
-        let located = self.locate(&plain);
-        tried.extend(located.first().map(|&l| (Source::Elsewhere(l), l.chi)));
-        tried.sort_by(|a, b| a.1.total_cmp(&b.1));
+        tried.extend(located(Source::Elsewhere, self.locate(&plain).first().copied()));
+        tried.sort_by(|a, b| a.chi.total_cmp(&b.chi));
+        let fitted: Vec<Told> =
+            tried.par_iter().take(NEAREST).map(|told| self.beside_its_own(told)).collect();
+        tried.splice(..fitted.len(), fitted);
+        tried.sort_by(|a, b| a.chi.total_cmp(&b.chi));
         let freedom = self.residuals_of(&self.training) * sensors.saturating_sub(2) / sensors.max(1);
         let freedom = freedom.max(1) as f64;
-        let excites =
-            |source: &Source| matches!(source, Source::Of(EffectPlace::Excitation) | Source::Exciter(_));
-        let (first, others) = match tried.split_first() {
-            Some(((source, chi), others)) => ((source, *chi), others),
-            None => return (EffectPlace::Structure, f64::INFINITY),
+        let Some((first, others)) = tried.split_first() else {
+            return (EffectPlace::Structure, f64::INFINITY);
         };
-        let rival = others.iter().find(|(other, _)| !(excites(first.0) && excites(other)));
-        let told = is_told([first.1, rival.map_or(f64::INFINITY, |rival| rival.1)].map(|chi| chi / freedom));
-        let equal: Vec<&Located> = located.iter().filter(|l| l.chi < NEAR * first.1).collect();
-        let place = if told { self.place_of(&plain, first.0, &equal) } else { EffectPlace::Structure };
-        (place, first.1 / freedom)
+        let rival = others.iter().find(|other| !(first.excites() && other.excites()));
+        let told =
+            is_told([first.chi, rival.map_or(f64::INFINITY, |rival| rival.chi)].map(|chi| chi / freedom));
+        let place = if told { self.place_of(first) } else { EffectPlace::Structure };
+        (place, first.chi / freedom)
+    }
+
+    /// The same beside the structure, within its deviations, that fits best with it.
+    fn beside_its_own(&self, told: &Told) -> Told {
+        let by = |source: fn(Located) -> Source, place, free: &[Unknown]| {
+            let (located, own) = self.located_beside(&told.setting, place, free)?;
+            Some(Told::by(source(located), own, located.chi))
+        };
+        let own = match told.source {
+            Source::Of(_, beside) => {
+                let setting = self.calibrated_with(&told.setting, beside, (&[], CALIBRATED));
+                let chi = self.chi_beside(&setting, beside);
+                Some(Told { source: told.source, setting, chi })
+            }
+            Source::Exciter(l) => by(Source::Exciter, l.place, &[]),
+            Source::Elsewhere(l) => by(Source::Elsewhere, l.place, &self.place(l.place)),
+        };
+        own.filter(|own| own.chi < told.chi).unwrap_or_else(|| told.clone())
+    }
+
+    /// A further force beside the structure that fits best with it, and with what else is free.
+    fn located_beside(
+        &self,
+        setting: &Setting,
+        place: PortPlace,
+        free: &[Unknown],
+    ) -> Option<(Located, Setting)> {
+        let single = with_only(setting, place);
+        let mut own = self.calibrated_with(&single, Beside::Ports, (free, CALIBRATED));
+        let place = own.ports.first()?.place;
+        own.ports.clear();
+        Some((self.located_at(&own, place)?, own))
     }
 
     /// What acts on the beam is the excitation's or the structure's by what its force answers to; by its place where neither is told. A force
     /// at the exciter does to a single mode what one on that mode does: where one at a place of equal standing answers to its motion,
     /// it is the structure's. One across the beam at its support, as far as the sensors tell, is the contact's normal force.
-    fn place_of(&self, setting: &Setting, source: &Source, equal: &[&Located]) -> EffectPlace {
+    fn place_of(&self, told: &Told) -> EffectPlace {
+        let setting = &told.setting;
+        let located = match told.source {
+            Source::Of(..) => Vec::new(),
+            _ => self.locate(setting),
+        };
+        let equal: Vec<&Located> = located.iter().filter(|l| l.chi < NEAR * told.chi).collect();
         let answers = |located: &Located| self.asks(setting, located).is_some_and(|asks| asks.motion());
         let is_support = |located: &Located| matches!(located.place, PortPlace::Support);
-        match source {
-            Source::Of(place) => *place,
+        match &told.source {
+            Source::Of(place, _) => *place,
             Source::Exciter(located) => match self.asks(setting, located) {
                 Some(asks) if asks.excitation() => EffectPlace::Excitation,
                 Some(asks) if asks.motion() || equal.par_iter().any(|other| answers(other)) => {
