@@ -49,7 +49,6 @@ pub fn explain(
         return aperiodic::explain(measurement, options, (&case, &recovered), progress);
     }
     let mut outcome = frettrace_explain::explain(&case)?;
-    open_runs::ask(measurement, (&case, &recovered), &mut outcome)?;
     let shown = frettrace_explain::exhibits(&case, &outcome)?;
     progress.step();
     let controls = if options.controls > 0 {
@@ -57,6 +56,8 @@ pub fn explain(
     } else {
         Vec::new()
     };
+    // Controls draw periodic runs: they ask for what these say.
+    open_runs::ask(measurement, (&case, &recovered), &mut outcome)?;
     progress.finish();
     let exhibits = crate::exhibits::exhibits(measurement, &shown, &outcome.runs[1]);
     let controls = controls.iter().map(control).collect();
