@@ -11,7 +11,7 @@
 //!
 //! Runs that are not periodic have no lines to draw, and channels no faults: both are left out of what is drawn.
 
-use crate::effects::ALL;
+use crate::effects::{ALL, listed};
 use crate::records::power;
 use crate::verdict::{Named, Outcome, Place, Verdict, explain};
 use crate::{Case, ExplainError, RunRecord, Unknown};
@@ -104,7 +104,7 @@ impl Control {
             Question::Surrogate => named.is_empty(),
             Question::LeftOut => {
                 let mistaken = |id: &str| {
-                    let effect = |e: &Named| ALL.iter().find(|effect| effect.id() == e.id);
+                    let effect = |e: &Named| listed(e.id).map(|effect| ALL[effect]);
                     outcome.effects.iter().filter_map(effect).any(|e| e.rivals().contains(&id))
                 };
                 named.iter().all(|id| of_class(id) || mistaken(id))

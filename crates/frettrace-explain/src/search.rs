@@ -1,7 +1,7 @@
 //! The search: the whole model for the few candidates that stand out on the recovered contacts or on the balance.
 
 use crate::contact_search::{ContactCandidate, within_reach};
-use crate::effects::{ALL, Simpler, apply, set_by_forms};
+use crate::effects::{ALL, Simpler, apply, listed, set_by_forms};
 use crate::left::LeftLines;
 use crate::study::{as_declared, merge};
 use crate::{ExplainError, Fitted, Study, Unknown};
@@ -282,7 +282,7 @@ impl Study<'_> {
         richer: &Explained,
         simpler: &Simpler,
     ) -> Option<Explained> {
-        let effect = ALL.iter().position(|effect| effect.id() == simpler.id)?;
+        let effect = listed(simpler.id)?;
         let mut setting = richer.fitted.setting.clone();
         setting.law = simpler.law;
         let brought = apply(&simpler.changes, &mut setting.law);

@@ -7,7 +7,7 @@
 //! first order, at `κ = cᵀPr/cᵀPc`.
 
 use crate::balance_fit::BalanceCandidate;
-use crate::effects::{ALL, FREE, StructureForm};
+use crate::effects::{ALL, FREE, StructureForm, listed};
 use crate::fitting::AccelerationFit;
 use crate::search::Explained;
 use crate::study::merge;
@@ -72,7 +72,7 @@ impl Study<'_> {
 
     /// The index of an effect that may be asked for.
     fn asked(&self, current: &Explained, id: &str) -> Option<usize> {
-        let effect = ALL.iter().position(|e| e.id() == id)?;
+        let effect = listed(id)?;
         (self.case.allows(id) && !current.effects.contains(&effect)).then_some(effect)
     }
 

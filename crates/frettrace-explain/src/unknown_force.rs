@@ -4,7 +4,7 @@
 //! [`crate::force_laws`] then answer the recovered motion there.
 
 use crate::balance_fit::BalanceCandidate;
-use crate::effects::{ALL, EffectPlace, FREE, StructureForm};
+use crate::effects::{ALL, EffectPlace, FREE, StructureForm, listed};
 use crate::force_laws::{
     Answer, History, driven, linear, nameless, names, range, regress, regress_resting, shapes, thresholds,
 };
@@ -293,7 +293,7 @@ impl Study<'_> {
     /// A motion of the base of any size and phase on every line, where it closes the balance far better than the plain
     /// structure does: recovered beside the contact force, then an input with a factor.
     pub(crate) fn base_candidate(&self, setting: &Setting, plain: f64) -> Option<BalanceCandidate> {
-        let effect = ALL.iter().position(|e| e.id() == "excitation.base-motion")?;
+        let effect = listed("excitation.base-motion")?;
         if setting.base.is_some() || !self.case.allows(ALL[effect].id()) {
             return None;
         }
@@ -357,15 +357,14 @@ impl Study<'_> {
         if let Some(first) = located.first().filter(|l| l.chi < WORTH * plain) {
             // The structure within its standard deviations and the place of the force, together: where noise is low either one alone comes to rest
             // far from where both are.
-            let single = with_only(&setting, first.place);
-            let mut calibrated = self.calibrated_with(&single, Beside::Ports, (&self.place(first.place), 20));
-            let place = calibrated.ports[0].place;
-            calibrated.ports = setting.ports;
-            setting = calibrated;
-            located = self.locate(&setting);
-            let together = self.located_at(&setting, place);
-            if let Some(together) = together.filter(|it| located.first().is_none_or(|l| it.chi < l.chi)) {
-                located.insert(0, together);
+            if let Some((together, own)) =
+                self.located_beside(&setting, first.place, &self.place(first.place))
+            {
+                setting = Setting { ports: setting.ports, ..own };
+                located = self.locate(&setting);
+                if located.first().is_none_or(|l| together.chi < l.chi) {
+                    located.insert(0, together);
+                }
             }
         }
         let Some(first) = located.first().filter(|l| l.chi < WORTH * plain) else { return Vec::new() };
@@ -418,7 +417,7 @@ impl Study<'_> {
                     let freedom = located.freedom + histories.iter().map(History::count).sum::<usize>();
                     let values = form.unknowns.len() + if rests { histories.len() } else { 0 };
                     BalanceCandidate {
-                        effect: ALL.iter().position(|e| e.id() == shape.id).unwrap_or_default(),
+                        effect: listed(shape.id).unwrap_or_default(),
                         sensor: None,
                         setting: form.setting,
                         criterion: located.chi + chi + values as f64 * count.ln(),

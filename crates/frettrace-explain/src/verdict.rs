@@ -1,6 +1,6 @@
 //! The verdict: nothing missing, explained by named effects, or unexplained with a place.
 
-use crate::effects::ALL;
+use crate::effects::{ALL, listed};
 use crate::search::{Asked, Explained};
 use crate::series_fit::SeriesContact;
 use crate::study::as_declared;
@@ -308,7 +308,7 @@ impl Search<'_> {
         let shares: Vec<f64> =
             self.study.case.records.iter().filter_map(|r| r.series.as_ref()).map(|s| s.open_share).collect();
         let open = shares.iter().filter(|share| **share > 0.0).count();
-        let Some(effect) = ALL.iter().position(|e| e.id() == "contact.lift-off") else { return model };
+        let Some(effect) = listed("contact.lift-off") else { return model };
         if open == 0 || model.effects.contains(&effect) || !self.study.case.allows(ALL[effect].id()) {
             return model;
         }

@@ -48,6 +48,15 @@ pub(crate) fn is_told_by_contacts(case: &Case) -> bool {
     periodic < LEAST_PERIODIC && case.records.len() >= periodic + LEAST_PERIODIC
 }
 
+/// What the inverse recovers of all runs of a measurement.
+pub(crate) fn runs(
+    measurement: &Measurement,
+    form: FormChoice,
+) -> Result<Vec<RunReconstruction>, StudyError> {
+    let options = ReconstructOptions { form, ..ReconstructOptions::default() };
+    Ok(reconstruct(measurement, &options, &Progress::silent())?.inverse.runs)
+}
+
 /// All runs of a measurement.
 struct Recovered {
     runs: Vec<RunReconstruction>,
@@ -64,10 +73,6 @@ impl Recovered {
 
 /// All runs of a measurement, over the whole spectrum those that are not periodic, and where it is judged by them the others too.
 fn recovered(case: &Case, measurement: &Measurement) -> Result<Recovered, StudyError> {
-    let runs = |measurement: &Measurement, form: FormChoice| {
-        let options = ReconstructOptions { form, ..ReconstructOptions::default() };
-        reconstruct(measurement, &options, &Progress::silent()).map(|found| found.inverse.runs)
-    };
     let mut found = runs(measurement, FormChoice::Auto)?;
     let mut reduced: Vec<f64> = found.iter().map(|run| run.balance.reduced()).collect();
     // What the inverse adds beside its lines is no run of bins.

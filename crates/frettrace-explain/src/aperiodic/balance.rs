@@ -25,9 +25,21 @@ use std::f64::consts::TAU;
 #[derive(Clone, Debug)]
 pub(super) struct Open {
     pub place: EffectPlace,
-    /// What shows the place, and with how open the balance is.
+    /// χ² per degree of freedom of all runs, and of the worst.
+    pub reduced: (f64, f64),
+    /// What shows the place.
     pub why: String,
-    pub note: String,
+}
+
+impl Open {
+    /// What a reader must know.
+    pub fn note(&self) -> String {
+        let (all, worst) = self.reduced;
+        format!(
+            "no contact force closes the balance without a law (χ² per degree of freedom {all:.2}, {worst:.2} in the worst run): {}",
+            self.why
+        )
+    }
 }
 
 /// Runs it takes to tell a trend with the level.
@@ -67,14 +79,8 @@ pub(super) fn open(
     runs: &[(usize, &WholeRun)],
 ) -> Result<Open, ExplainError> {
     let whole: Vec<&WholeRun> = runs.iter().map(|run| run.1).collect();
-    let (all, worst) = reduced(&whole);
-    let open = |place, why: &str| Open {
-        place,
-        why: why.to_owned(),
-        note: format!(
-            "no contact force closes the balance without a law (χ² per degree of freedom {all:.2}, {worst:.2} in the worst run): {why}"
-        ),
-    };
+    let reduced = reduced(&whole);
+    let open = |place, why: &str| Open { place, reduced, why: why.to_owned() };
     if let Some(late) = clocks(case, samples) {
         return Ok(open(
             EffectPlace::Measurement,

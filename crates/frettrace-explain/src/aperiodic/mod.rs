@@ -23,7 +23,7 @@ pub use exhibit::WholeExhibit;
 pub use motion::{Motion, WholeRun};
 pub use tone::{BaseTone, ToneMotion, base_tone};
 
-use crate::effects::{ALL, EffectPlace};
+use crate::effects::{ALL, EffectPlace, listed};
 use crate::split::by_level;
 use crate::start;
 use crate::verdict::{EVIDENCE, Named, SERIES_OPEN, Tried, Verdict};
@@ -138,7 +138,7 @@ pub fn with_base_motion(
     (tone, balances): (&BaseTone, [&[Option<WholeRun>]; 2]),
     mut outcome: WholeOutcome,
 ) -> WholeOutcome {
-    let Some(effect) = ALL.iter().find(|effect| effect.id() == "excitation.base-motion") else {
+    let Some(effect) = listed("excitation.base-motion").map(|effect| ALL[effect]) else {
         return outcome;
     };
     let sizes: Vec<f64> = tone.runs.iter().map(|run| run.base.norm()).collect();
@@ -278,7 +278,7 @@ fn open(case: &Case, found: balance::Open, recovered: &[(usize, &WholeRun)]) -> 
         held_out: None,
         runs: [recovered.iter().map(|run| run.0).collect(), Vec::new()],
         exhibits: Vec::new(),
-        notes: vec![found.note],
+        notes: vec![found.note()],
     }
 }
 

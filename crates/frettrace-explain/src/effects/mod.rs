@@ -240,6 +240,11 @@ pub fn effect_ids() -> impl Iterator<Item = &'static str> {
     ALL.iter().map(|effect| effect.id())
 }
 
+/// Place in [`ALL`] of the effect with an id.
+pub(crate) fn listed(id: &str) -> Option<usize> {
+    ALL.iter().position(|effect| effect.id() == id)
+}
+
 /// Every effect.
 pub(crate) const ALL: [&dyn Effect; 34] = [
     &friction_stribeck::FrictionStribeck,

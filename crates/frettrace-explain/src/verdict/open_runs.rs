@@ -10,7 +10,7 @@
 
 use super::{Named, Outcome, Place, Verdict};
 use crate::Case;
-use crate::effects::{ALL, Effect, EffectPlace};
+use crate::effects::{ALL, EffectPlace, listed};
 
 /// A support along the beam as runs without a period show it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,13 +47,14 @@ impl Outcome {
     #[must_use]
     pub fn leaves_the_balance(&self, case: &Case) -> bool {
         let in_contact =
-            self.effects.iter().all(|e| listed(e.id).is_none_or(|e| e.place() == EffectPlace::Contact));
+            self.effects.iter().all(|e| listed(e.id).is_none_or(|e| ALL[e].place() == EffectPlace::Contact));
         self.verdict != Verdict::Unexplained && in_contact && case.faults.is_empty() && case.shaken.is_none()
     }
 
     /// Names a second support that runs without a period show; where it is not asked for, the structure lacks what has no name.
     pub fn with_support(&mut self, case: &Case, seen: SeenSupport, note: String) {
-        let Some(effect) = listed(SECOND_SUPPORT).filter(|effect| case.allows(effect.id())) else {
+        let Some(effect) = listed(SECOND_SUPPORT).map(|e| ALL[e]).filter(|effect| case.allows(effect.id()))
+        else {
             return self.left_open(EffectPlace::Structure, note);
         };
         let [[position, about], [force, accuracy]] = [seen.position, seen.force];
@@ -84,10 +85,6 @@ impl Outcome {
 }
 
 const SECOND_SUPPORT: &str = "structure.second-support";
-
-fn listed(id: &str) -> Option<&'static dyn Effect> {
-    ALL.iter().copied().find(|effect| effect.id() == id)
-}
 
 #[cfg(test)]
 mod tests {

@@ -5,7 +5,7 @@ use super::rules::{
     helps, is_as_near, is_followed, may_be, stays_with_contact, stays_with_sensor, takes_all,
 };
 use super::{BALANCE_CALIBRATED, BORNE_OUT, EVIDENCE, FORETOLD, HELD_OUT, Rival, Search};
-use crate::effects::{ALL, EffectPlace};
+use crate::effects::{ALL, EffectPlace, listed};
 use crate::left::LeftLines;
 use crate::search::{Explained, OTHER_FORMULA, REST, excess};
 use crate::study::as_declared;
@@ -276,7 +276,7 @@ impl Search<'_> {
         for effect in model.effects.iter_mut().filter(|effect| ALL[**effect].is_idle(&law, reach)) {
             let simpler = ALL[*effect].simpler(&law);
             let named = simpler.iter().find(|simpler| self.study.case.allows(simpler.id));
-            match named.and_then(|simpler| ALL.iter().position(|e| e.id() == simpler.id)) {
+            match named.and_then(|simpler| listed(simpler.id)) {
                 Some(other) => *effect = other,
                 None => nameless = Some(ALL[*effect].id()),
             }
@@ -478,7 +478,7 @@ fn of_one(missed: f64) -> String {
 
 /// A fault of a channel as a named effect: it was seen in the samples themselves.
 fn faulty(fault: &ChannelFault) -> Named {
-    let effect = ALL.iter().find(|e| e.id() == fault.id);
+    let effect = listed(fault.id).map(|effect| ALL[effect]);
     Named {
         id: fault.id,
         probability: 1.0,

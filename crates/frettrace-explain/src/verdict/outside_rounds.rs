@@ -5,7 +5,7 @@ use super::rules::helps;
 use super::{BALANCE_CALIBRATED, BALANCE_CLOSED, EVIDENCE, PROXY, Rival, Search, Tried};
 use crate::balance_fit::BalanceCandidate;
 use crate::contact_search::ContactCandidate;
-use crate::effects::ALL;
+use crate::effects::{ALL, listed};
 use crate::force_laws::{CUBIC_BELOW, thresholds};
 use crate::search::{Asked, Explained};
 use crate::study::merge;
@@ -246,7 +246,7 @@ impl Search<'_> {
             Quantity::ModeDamping(_) => "structure.modal-damping",
             _ => return None,
         };
-        let effect = ALL.iter().position(|e| e.id() == id)?;
+        let effect = listed(id)?;
         let (case, setting) = (self.study.case, &current.fitted.setting);
         let forms = ALL[effect].structure_forms(case, setting, &self.study.scales);
         let form = forms.into_iter().find(|form| form.unknowns[0].quantity == quantity)?;

@@ -2,7 +2,7 @@
 
 use super::{ExplainOptions, Found, estimates, summary};
 use crate::exhibits::whole_exhibits;
-use crate::reconstruct::{FormChoice, ReconstructOptions, reconstruct};
+use crate::reconstruct::FormChoice;
 use crate::results::{ErrorSummary, Explanation, Identification, NoiseFloorSource};
 use crate::{Progress, StudyError, case};
 use frettrace_explain::aperiodic::{
@@ -48,8 +48,7 @@ fn beside_base(
             channel.iter_mut().zip(wave(*amplitude, turn)).for_each(|(a, base)| *a -= base);
         }
     }
-    let options = ReconstructOptions { form: FormChoice::Aperiodic, ..ReconstructOptions::default() };
-    let recovered = reconstruct(&calm, &options, &Progress::silent())?.inverse.runs;
+    let recovered = case::runs(&calm, FormChoice::Aperiodic)?;
     let mut runs: Vec<Option<WholeRun>> = recovered.iter().map(whole).collect();
     let stiffness = case.rig.lever.map_or(0.0, |_| case.rig.boundary.support_stiffness);
     for (run, motion) in runs.iter_mut().zip(&tone.runs) {

@@ -2,13 +2,14 @@
 
 use super::aperiodic::whole;
 use super::identification;
-use crate::reconstruct::{FormChoice, ReconstructOptions, reconstruct};
-use crate::{Progress, StudyError, case};
+use crate::reconstruct::FormChoice;
+use crate::{StudyError, case};
 use frettrace_explain::aperiodic::open_place;
 use frettrace_explain::{BALANCE_CLOSED, Case, Outcome, SeenSupport, peak_from_rest};
 use frettrace_inverse::{Form, RunReconstruction};
 use frettrace_measurement::{MeasuredModes, Measurement, SecondSupport};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Places along the beam that are tried for a further force, and how often the distance about the best is halved.
 const PLACES: usize = 16;
@@ -28,18 +29,17 @@ pub(super) fn ask(
     if measurement.second_support.is_some() || !outcome.leaves_the_balance(case) {
         return Ok(());
     }
-    let open = |run: &RunReconstruction| Balance::of(run, last).is_open();
-    let suspects: Vec<usize> = (0..recovered.len()).filter(|&run| open(&recovered[run])).collect();
+    let suspects: Vec<usize> = (0..recovered.len()).filter(|&run| is_open(&recovered[run], last)).collect();
     if suspects.is_empty() {
         return Ok(());
     }
-    let asked = Suspects::new(measurement, outcome, &suspects, last);
+    let asked = Suspects::new(measurement, outcome, &suspects);
     let runs = asked.recovered(None)?;
-    let [_, worst] = asked.judged(&runs);
+    let worst = worst(&runs);
     if worst <= BALANCE_CLOSED {
         return Ok(());
     }
-    let ids: Vec<&str> = asked.measurement.runs.iter().map(|run| run.id.as_str()).collect();
+    let ids: Vec<&str> = asked.0.runs.iter().map(|run| run.id.as_str()).collect();
     let found = format!(
         "no contact force closes the balance of runs without a period ({}; χ² per degree of freedom {worst:.2}, with the fitted structure)",
         ids.join(", ")
@@ -60,51 +60,28 @@ pub(super) fn ask(
     Ok(())
 }
 
-/// χ² of what no force makes of a run without a period, with its degrees of freedom: up to the last measured mode, and beyond.
-#[derive(Clone, Copy, Default)]
-struct Balance {
-    known: [f64; 2],
-    beyond: [f64; 2],
+/// Whether no contact force closes the balance of a run without a period: over the whole spectrum, for noise is stated as a whole and may have a
+/// colour, and more up to the last measured mode (Hz) than beyond: a mode that was not measured leaves what it does about itself, and a tail below.
+fn is_open(run: &RunReconstruction, last: f64) -> bool {
+    let balance = &run.balance;
+    let spacing = run.lines.sampling_rate / run.lines.samples as f64;
+    let known = ((last / spacing) as usize).min(balance.chi_square.len());
+    let reduced = |bins: Range<usize>| {
+        let freedom: usize = balance.freedom[bins.clone()].iter().sum();
+        balance.chi_square[bins].iter().sum::<f64>() / freedom.max(1) as f64
+    };
+    run.lines.form == Form::Aperiodic
+        && balance.reduced() > BALANCE_CLOSED
+        && reduced(0..known) > reduced(known..balance.chi_square.len())
 }
 
-impl Balance {
-    fn of(run: &RunReconstruction, last: f64) -> Self {
-        let mut balance = Self::default();
-        if run.lines.form != Form::Aperiodic || run.contact.is_none() {
-            return balance;
-        }
-        let spacing = run.lines.sampling_rate / run.lines.samples as f64;
-        let bins = run.balance.chi_square.iter().zip(&run.balance.freedom);
-        for (k, (chi, freedom)) in bins.enumerate() {
-            let known = (k + 1) as f64 * spacing <= last;
-            let part = if known { &mut balance.known } else { &mut balance.beyond };
-            part[0] += chi;
-            part[1] += *freedom as f64;
-        }
-        balance
-    }
-
-    fn chi(&self) -> f64 {
-        self.known[0] + self.beyond[0]
-    }
-
-    /// χ² per degree of freedom over the whole spectrum: noise is stated as a whole, and may have a colour.
-    fn reduced(&self) -> f64 {
-        self.chi() / f64::max(self.known[1] + self.beyond[1], 1.0)
-    }
-
-    /// A mode that was not measured leaves what it does about itself, and a tail of it below.
-    fn is_open(&self) -> bool {
-        let [known, beyond] = [self.known, self.beyond].map(|[chi, freedom]| chi / freedom.max(1.0));
-        self.reduced() > BALANCE_CLOSED && known > beyond
-    }
+/// χ² per degree of freedom of the worst of some runs.
+fn worst(runs: &[RunReconstruction]) -> f64 {
+    runs.iter().map(|run| run.balance.reduced()).fold(0.0, f64::max)
 }
 
 /// Runs whose balance is open, with the structure of the fit.
-struct Suspects {
-    measurement: Measurement,
-    last: f64,
-}
+struct Suspects(Measurement);
 
 /// A support that closes the balance: of the worst run, by χ² per degree of freedom.
 struct Found {
@@ -113,7 +90,7 @@ struct Found {
 }
 
 impl Suspects {
-    fn new(measurement: &Measurement, outcome: &Outcome, runs: &[usize], last: f64) -> Self {
+    fn new(measurement: &Measurement, outcome: &Outcome, runs: &[usize]) -> Self {
         let mut part = measurement.clone();
         part.runs = runs.iter().map(|&run| measurement.runs[run].clone()).collect();
         let fitted = identification(measurement, &measurement.support.law, &outcome.model).structure.modes;
@@ -129,29 +106,22 @@ impl Suspects {
                 damping_ratio_std: modes.iter().map(|mode| mode.damping_ratio.std).collect(),
             });
         }
-        Self { measurement: part, last }
+        Self(part)
     }
 
     /// The runs over the whole spectrum, with a force of a second support at a place (m) along the beam, or without one.
     fn recovered(&self, support: Option<f64>) -> Result<Vec<RunReconstruction>, StudyError> {
-        let mut measurement = self.measurement.clone();
+        let mut measurement = self.0.clone();
         measurement.second_support = support.map(|position| SecondSupport { position });
-        let options = ReconstructOptions { form: FormChoice::Aperiodic, ..ReconstructOptions::default() };
-        Ok(reconstruct(&measurement, &options, &Progress::silent())?.inverse.runs)
-    }
-
-    /// χ² of the balance of all runs, and that per degree of freedom of the worst.
-    fn judged(&self, runs: &[RunReconstruction]) -> [f64; 2] {
-        let each = runs.iter().map(|run| Balance::of(run, self.last));
-        each.fold([0.0, 0.0], |[sum, worst], one| [sum + one.chi(), worst.max(one.reduced())])
+        case::runs(&measurement, FormChoice::Aperiodic)
     }
 
     /// The second support that closes the balance of all runs and rests most of the time.
     fn support(&self) -> Result<Option<Found>, StudyError> {
-        let length = self.measurement.beam.length;
+        let length = self.0.beam.length;
         let at = |position: f64| {
             let runs = self.recovered(Some(position))?;
-            let [chi, _] = self.judged(&runs);
+            let chi = runs.iter().flat_map(|run| &run.balance.chi_square).sum::<f64>();
             Ok::<_, StudyError>((position, chi))
         };
         let mut step = length / PLACES as f64;
@@ -168,7 +138,7 @@ impl Suspects {
         }
         let (position, _) = least(&tried);
         let runs = self.recovered(Some(position))?;
-        let [_, reduced] = self.judged(&runs);
+        let reduced = worst(&runs);
         if reduced > BALANCE_CLOSED {
             return Ok(None);
         }
