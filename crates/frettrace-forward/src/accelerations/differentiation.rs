@@ -39,7 +39,7 @@ impl Differentiation<'_> {
         let state = evaluation.evaluate(&kept.unknowns, &mut scratch);
         let tangent = Tangent::new(evaluation, &state, &hooks);
         let factor = kept.current().unwrap_or_else(|| {
-            let factor: Factor = Arc::new(tangent.jacobian(&mut scratch).partial_piv_lu());
+            let factor: Factor = Arc::new(tangent.jacobian().partial_piv_lu());
             kept.factor = Some((factor.clone(), Arc::new(kept.unknowns.clone())));
             factor
         });

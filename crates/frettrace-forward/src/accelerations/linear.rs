@@ -7,6 +7,7 @@ use super::setting::PortPlace;
 use frettrace_fourier::GridScratch;
 use frettrace_friction::effects::{Hook, STATES};
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 /// `L` directions side by side: motions of slip, normal force and ports on the grid, and the law parameter that changes.
 #[derive(Clone, Debug, Default)]
@@ -149,7 +150,7 @@ impl<'a> Tangent<'a> {
     ///
     /// Lines above [`FULL_LINES`] whose forces move the contacts too little to be answered ([`COUPLED`]) stay identity: there
     /// the plain iteration contracts by itself. A stiff contact answers on all its lines.
-    pub fn jacobian(&self, scratch: &mut GridScratch) -> faer::Mat<f64> {
+    pub fn jacobian(&self) -> faer::Mat<f64> {
         let e = self.evaluation;
         let per_port = 2 * e.order() + 1;
         let mut jacobian = faer::Mat::<f64>::identity(e.width(), e.width());
@@ -163,12 +164,18 @@ impl<'a> Tangent<'a> {
                 always || self.strength(&slopes, place) >= COUPLED
             })
             .collect();
-        let mut direction = self.still();
-        for group in coupled.chunks(LANES / 2) {
+        let begin = || (self.still(), e.grid.scratch());
+        let answered = |(direction, scratch): &mut (Direction<LANES>, GridScratch),
+                        group: &[(usize, usize)]| {
             for (pair, &place) in group.iter().enumerate() {
-                self.single_line(&mut direction, (&tables, 2 * pair), place, resistance);
+                self.single_line(direction, (&tables, 2 * pair), place, resistance);
             }
-            let answers = self.answer(&direction, scratch);
+            self.answer(direction, scratch)
+        };
+        // A run that is hard to balance may be the last one that anything waits for.
+        let groups = coupled.par_chunks(LANES / 2);
+        let answers: Vec<_> = groups.map_init(begin, |kept, group| answered(kept, group)).collect();
+        for (group, answers) in coupled.chunks(LANES / 2).zip(&answers) {
             for (&(port, line), answers) in group.iter().zip(answers.chunks(2)) {
                 let first = port * per_port + (2 * line).saturating_sub(1);
                 let columns = if line == 0 { 1 } else { 2 };

@@ -21,7 +21,9 @@ mod stability;
 mod structure;
 
 pub use balance::{Balance, Beside, settled_mean};
-pub use model::{AccelerationError, AccelerationModel, ContactHistory, Linearised, Memory, Prediction};
+pub use model::{
+    AccelerationError, AccelerationModel, ContactHistory, Linearised, Memory, OnGrids, Prediction,
+};
 pub use phase::FrequencyRatio;
 pub use ports::{COEFFICIENTS, PortForce, PortLaw};
 pub use run::RunLines;

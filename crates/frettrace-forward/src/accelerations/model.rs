@@ -9,6 +9,7 @@ use frettrace_beam::{BeamError, ModalModel};
 use frettrace_fourier::{Grid, GridError};
 use num_complex::Complex64;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Why the model cannot be evaluated.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -81,9 +82,19 @@ pub struct AccelerationModel {
     declared: ModalModel,
     /// The runs.
     pub runs: Vec<RunLines>,
-    grids: Vec<Grid>,
+    grids: Arc<Vec<Grid>>,
     /// Largest imbalance of a line that still counts as balanced, in standard deviations of the line.
     pub tolerance: f64,
+}
+
+/// The phase grids of a model: what was predicted on them holds for a copy of the model, and for none with other grids.
+#[derive(Clone)]
+pub struct OnGrids(Arc<Vec<Grid>>);
+
+impl PartialEq for OnGrids {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
 }
 
 /// What the laws and the structure of one run are at given values.
@@ -109,6 +120,12 @@ impl AccelerationModel {
     pub fn with_runs(&self, runs: Vec<RunLines>) -> Result<Self, AccelerationError> {
         let (rig, declared) = (self.rig.clone(), self.declared.clone());
         Ok(Self { rig, declared, grids: grids(&runs)?, runs, tolerance: self.tolerance })
+    }
+
+    /// Its phase grids.
+    #[must_use]
+    pub fn on_grids(&self) -> OnGrids {
+        OnGrids(self.grids.clone())
     }
 
     /// The declared rig.
@@ -165,6 +182,19 @@ impl AccelerationModel {
         selected: &[usize],
         memory: &mut Memory,
     ) -> Result<Vec<Prediction>, AccelerationError> {
+        self.predict_each(setting, selected, memory)?.into_iter().collect()
+    }
+
+    /// As [`Self::predict`], with the runs whose balance closes where that of others does not.
+    ///
+    /// # Errors
+    /// [`AccelerationError::Beam`] where the structure cannot be built.
+    pub fn predict_each(
+        &self,
+        setting: &Setting,
+        selected: &[usize],
+        memory: &mut Memory,
+    ) -> Result<Vec<Result<Prediction, AccelerationError>>, AccelerationError> {
         self.predict_by(setting, selected, memory, |e, kept, _| solve(e, kept, self.tolerance))
     }
 
@@ -178,6 +208,19 @@ impl AccelerationModel {
         selected: &[usize],
         memory: &mut Memory,
     ) -> Result<Vec<Prediction>, AccelerationError> {
+        self.approach_each(setting, selected, memory)?.into_iter().collect()
+    }
+
+    /// As [`Self::approach`], with the runs whose balance closes where that of others does not.
+    ///
+    /// # Errors
+    /// As [`Self::predict_each`].
+    pub fn approach_each(
+        &self,
+        setting: &Setting,
+        selected: &[usize],
+        memory: &mut Memory,
+    ) -> Result<Vec<Result<Prediction, AccelerationError>>, AccelerationError> {
         let known = memory.clone();
         self.predict_by(setting, selected, memory, |e, kept, run| {
             let beside = self.nearest(run).into_iter().filter_map(|other| known.runs.get(other));
@@ -191,14 +234,14 @@ impl AccelerationModel {
         selected: &[usize],
         memory: &mut Memory,
         solved: impl Fn(&Evaluation<'_>, &mut RunMemory, usize) -> Result<(), f64> + Sync,
-    ) -> Result<Vec<Prediction>, AccelerationError> {
+    ) -> Result<Vec<Result<Prediction, AccelerationError>>, AccelerationError> {
         let structure = self.structure(setting)?;
-        self.each(selected, memory, |run, kept| {
+        Ok(self.each(selected, memory, |run, kept| {
             let prepared = self.prepare(&structure, setting, run);
             let evaluation = self.evaluation(structure.layout(), setting, &prepared, run);
             solved(&evaluation, kept, run).map_err(|left| not_balanced(run, left))?;
             Ok(distort(evaluation.accelerations(&kept.unknowns), setting, self.runs[run].omega))
-        })
+        }))
     }
 
     /// The other runs, those of the nearest excitation first.
@@ -212,20 +255,21 @@ impl AccelerationModel {
         others
     }
 
+    /// Works on the selected runs side by side, each with what is remembered of it.
     pub(super) fn each<T: Send>(
         &self,
         selected: &[usize],
         memory: &mut Memory,
-        work: impl Fn(usize, &mut RunMemory) -> Result<T, AccelerationError> + Sync,
-    ) -> Result<Vec<T>, AccelerationError> {
+        work: impl Fn(usize, &mut RunMemory) -> T + Sync,
+    ) -> Vec<T> {
         memory.runs.resize_with(self.runs.len(), RunMemory::default);
         let mut kept: Vec<(usize, RunMemory)> =
             selected.iter().map(|&run| (run, std::mem::take(&mut memory.runs[run]))).collect();
-        let results: Vec<_> = kept.par_iter_mut().map(|(run, kept)| work(*run, kept)).collect();
+        let results = kept.par_iter_mut().map(|(run, kept)| work(*run, kept)).collect();
         for (run, kept) in kept {
             memory.runs[run] = kept;
         }
-        results.into_iter().collect()
+        results
     }
 
     /// Predicted lines of the selected runs and their derivatives.
@@ -257,6 +301,8 @@ impl AccelerationModel {
             };
             Ok(differentiation.at(kept))
         })
+        .into_iter()
+        .collect()
     }
 
     /// For a quantity whose effect on the structure is differenced: the structure beside it, and the distance.
@@ -318,15 +364,15 @@ impl AccelerationModel {
         memory: &mut Memory,
     ) -> Result<ContactHistory, AccelerationError> {
         let structure = self.structure(setting)?;
-        let histories = self.each(&[run], memory, |run, kept| {
+        let mut histories = self.each(&[run], memory, |run, kept| {
             self.settled((&structure, setting), run, kept, |_, state| ContactHistory {
                 slip: state.contact.slip,
                 velocity: state.contact.velocity,
                 normal: state.contact.normal,
                 force: state.forces.into_iter().next().unwrap_or_default(),
             })
-        })?;
-        Ok(histories.into_iter().next().unwrap_or_default())
+        });
+        histories.pop().unwrap_or_else(|| Ok(ContactHistory::default()))
     }
 }
 
@@ -343,8 +389,10 @@ pub struct ContactHistory {
     pub force: Vec<f64>,
 }
 
-fn grids(runs: &[RunLines]) -> Result<Vec<Grid>, GridError> {
-    runs.iter().map(|r| Grid::new(r.contact_order, r.samples)).collect()
+fn grids(runs: &[RunLines]) -> Result<Arc<Vec<Grid>>, GridError> {
+    let grids: Result<Vec<Grid>, GridError> =
+        runs.iter().map(|r| Grid::new(r.contact_order, r.samples)).collect();
+    grids.map(Arc::new)
 }
 
 fn not_balanced(run: usize, left: f64) -> AccelerationError {

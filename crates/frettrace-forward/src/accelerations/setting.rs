@@ -136,7 +136,7 @@ pub enum Quantity {
 }
 
 /// All values of the model.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
     /// Natural frequencies of the measured modes (rad/s).
     pub frequency: Vec<f64>,

@@ -89,15 +89,17 @@ fn imbalance(e: &Evaluation<'_>, (state, unknowns): (&State, &[f64]), difference
 /// Share of the tolerance that a rigid contact is held to: there the imbalance is of held forces and velocities.
 const RIGID: f64 = 0.1;
 
-/// Steps without a smaller imbalance after which a balance has no answer from here.
+/// Steps without a smaller imbalance after which a balance has no answer from here, …
 const PATIENCE: usize = 8;
+/// … and from the step before on a way of many: a shorter one is less dear than patience.
+const ON_THE_WAY: usize = 3;
 
 /// Newton's method with a kept factor, renewed where it no longer contracts.
 pub(super) fn solve(e: &Evaluation<'_>, kept: &mut RunMemory, tolerance: f64) -> Result<(), f64> {
     if kept.unknowns.len() != e.width() {
         kept.begin(e);
     }
-    newton(&Balanced { e, offset: &[] }, kept, tolerance)
+    newton(&Balanced { e, offset: &[] }, kept, (tolerance, PATIENCE))
 }
 
 /// First step of the way from the recovered forces to the balance, and the smallest before it is given up.
@@ -121,7 +123,7 @@ pub(super) fn approach<'a>(
     let balanced = Balanced { e, offset: &[] };
     for other in others.filter(|other| other.unknowns.len() == e.width()).take(NEIGHBOURS) {
         *kept = other.clone();
-        if newton(&balanced, kept, tolerance).is_ok() {
+        if newton(&balanced, kept, (tolerance, PATIENCE)).is_ok() {
             return Ok(());
         }
     }
@@ -134,7 +136,7 @@ pub(super) fn approach<'a>(
         let next: f64 = f64::min(level + stride, 1.0);
         let offset: Vec<f64> = begun.iter().map(|x| (1.0 - next) * x).collect();
         kept.unknowns.clone_from(&last);
-        match newton(&Balanced { e, offset: &offset }, kept, tolerance) {
+        match newton(&Balanced { e, offset: &offset }, kept, (tolerance, ON_THE_WAY)) {
             Ok(()) => {
                 (level, stride) = (next, 1.5 * stride);
                 last.clone_from(&kept.unknowns);
@@ -207,7 +209,11 @@ fn inner(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Newton's method from the kept forces; they are cleared where it fails.
-fn newton(balanced: &Balanced<'_, '_>, kept: &mut RunMemory, tolerance: f64) -> Result<(), f64> {
+fn newton(
+    balanced: &Balanced<'_, '_>,
+    kept: &mut RunMemory,
+    (tolerance, patience): (f64, usize),
+) -> Result<(), f64> {
     let e = balanced.e;
     let mut scratch = e.grid.scratch();
     let tolerance = if e.rigid() { RIGID * tolerance } else { tolerance };
@@ -226,13 +232,13 @@ fn newton(balanced: &Balanced<'_, '_>, kept: &mut RunMemory, tolerance: f64) -> 
             return Ok(());
         }
         stale = if left < best { 0 } else { stale + 1 };
-        if stale > PATIENCE {
+        if stale > patience {
             break;
         }
         slow = if left > 0.3 * best { slow + 1 } else { 0 };
         best = best.min(left);
         if kept.factor.is_none() || slow > SLOW {
-            let factor = factorise(e, &at.state, &mut scratch);
+            let factor = factorise(e, &at.state);
             kept.factor = Some((factor, Arc::new(kept.unknowns.clone())));
             (updates, before, slow) = (Updates::default(), None, 0);
         }
@@ -256,8 +262,8 @@ fn newton(balanced: &Balanced<'_, '_>, kept: &mut RunMemory, tolerance: f64) -> 
 /// Steps in a row that leave more than three tenths of the imbalance before the factor is renewed: its updates get that many.
 const SLOW: usize = 2;
 
-fn factorise(e: &Evaluation<'_>, state: &State, scratch: &mut GridScratch) -> Factor {
-    Arc::new(Tangent::new(e, state, &[]).jacobian(scratch).partial_piv_lu())
+fn factorise(e: &Evaluation<'_>, state: &State) -> Factor {
+    Arc::new(Tangent::new(e, state, &[]).jacobian().partial_piv_lu())
 }
 
 /// Goes along the step as far as the imbalance does not grow.

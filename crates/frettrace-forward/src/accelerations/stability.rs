@@ -46,7 +46,7 @@ impl AccelerationModel {
         }
         let structure = self.structure(setting)?;
         let modes: Vec<[f64; 3]> = structure.modes_of_slip().collect();
-        self.each(selected, memory, |run, kept| {
+        Ok(self.each(selected, memory, |run, kept| {
             let margin = self.settled((&structure, setting), run, kept, |evaluation, state| {
                 let last = evaluation.order() as f64 * self.runs[run].omega;
                 let receptance = growing(&modes, FOLLOWED * last);
@@ -57,8 +57,8 @@ impl AccelerationModel {
                 let (locals, _) = evaluation.locals(&state, &[]);
                 locals.iter().map(margin).fold(1.0, f64::min)
             });
-            Ok(margin.ok())
-        })
+            margin.ok()
+        }))
     }
 }
 

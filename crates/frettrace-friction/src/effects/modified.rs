@@ -47,7 +47,7 @@ impl<T> AsMut<[T]> for ModifiedState<T> {
 }
 
 /// The bristle family with hooks.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModifiedLaw<T> {
     values: [T; HOOKS],
     active: [bool; HOOKS],
