@@ -18,9 +18,11 @@ use std::sync::Arc;
 
 mod errors;
 mod grids;
+mod predicted;
 
 pub use errors::RunError;
 use grids::model_lines;
+pub(crate) use predicted::Predicted;
 
 /// Why nothing can be explained.
 #[derive(Debug, Clone, thiserror::Error)]
@@ -97,6 +99,8 @@ pub struct Fitted {
     pub memory: Memory,
     /// Standard deviations of the values, from the curvature.
     pub deviation: Vec<f64>,
+    /// What it predicts, as far as that was asked.
+    pub(crate) predicted: Predicted,
 }
 
 impl<'a> Study<'a> {
@@ -189,7 +193,7 @@ impl<'a> Study<'a> {
         // Warm starts for what comes next; a run that does not balance keeps none.
         let _ = self.model.predict(&setting, &self.training, &mut memory);
         let deviation = deviations(&problem, &found, &memory);
-        Ok(Fitted { setting, unknowns, fit: found, memory, deviation })
+        Ok(Fitted { setting, unknowns, fit: found, memory, deviation, predicted: Predicted::default() })
     }
 
     /// The same study without the training run that has no answer; `None` where too few would be left to tell a law.

@@ -1,5 +1,6 @@
 //! What a fitted model leaves: errors of runs and of their sensors, χ² of their lines.
 
+use super::predicted::By;
 use super::{Fitted, Study};
 use crate::left::LeftLines;
 use frettrace_forward::accelerations::Prediction;
@@ -50,23 +51,42 @@ impl Study<'_> {
     /// balance does not close.
     #[must_use]
     pub fn predictions(&self, fitted: &Fitted, selected: &[usize]) -> Vec<Option<Prediction>> {
+        let by = |run: usize| By {
+            grids: self.model.on_grids(),
+            setting: fitted.setting.clone(),
+            // Nothing was fitted to such a run, so that there is no solution of it to start from.
+            approached: !self.training.contains(&run),
+        };
+        let unknown = |run: &usize| fitted.predicted.of(&by(*run), *run).is_none();
+        let new: Vec<usize> = selected.iter().copied().filter(unknown).collect();
+        for (&run, found) in new.iter().zip(self.predicted(fitted, &new)) {
+            fitted.predicted.keep(by(run), run, found);
+        }
+        let completed = |run: usize| {
+            let found = fitted.predicted.of(&by(run), run).flatten()?;
+            Some(match &self.support {
+                Some(support) => support.completed(run, &self.model.runs[run], found),
+                None => found,
+            })
+        };
+        selected.iter().map(|&run| completed(run)).collect()
+    }
+
+    /// The same of the model alone, from nothing but its memory.
+    fn predicted(&self, fitted: &Fitted, selected: &[usize]) -> Vec<Option<Prediction>> {
         let mut memory = fitted.memory.clone();
         self.begin(&fitted.setting, selected, &mut memory);
-        selected
-            .iter()
-            .map(|&run| {
-                let mut found = self.model.predict(&fitted.setting, &[run], &mut memory);
-                // Nothing was fitted to such a run, so that there is no solution of it to start from.
-                if found.is_err() && !self.training.contains(&run) {
-                    found = self.model.approach(&fitted.setting, &[run], &mut memory);
-                }
-                let found = found.ok().and_then(|p| p.into_iter().next())?;
-                Some(match &self.support {
-                    Some(support) => support.completed(run, &self.model.runs[run], found),
-                    None => found,
-                })
-            })
-            .collect()
+        let Ok(found) = self.model.predict_each(&fitted.setting, selected, &mut memory) else {
+            return vec![None; selected.len()];
+        };
+        let mut found: Vec<Option<Prediction>> = found.into_iter().map(Result::ok).collect();
+        let far = |k: &usize| found[*k].is_none() && !self.training.contains(&selected[*k]);
+        let far: Vec<usize> = (0..found.len()).filter(far).collect();
+        let runs: Vec<usize> = far.iter().map(|&k| selected[k]).collect();
+        if let Ok(approached) = self.model.approach_each(&fitted.setting, &runs, &mut memory) {
+            far.iter().zip(approached).for_each(|(&k, one)| found[k] = one.ok());
+        }
+        found
     }
 
     /// Error of a run, sensor by sensor, with the faults of its channels in the model; a run that cannot be predicted is missed

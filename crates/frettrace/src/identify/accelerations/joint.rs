@@ -221,7 +221,9 @@ fn polished(study: &Study<'_>, rough: &Found) -> Fitted {
             let mut memory = fitted.memory.clone();
             // Solutions near it; a run that does not balance keeps none.
             let _ = study.model.predict(&setting, &study.training, &mut memory);
-            Fitted { setting, fit: found, memory, ..fitted.clone() }
+            let mut sharper = fitted.clone();
+            (sharper.setting, sharper.fit, sharper.memory) = (setting, found, memory);
+            sharper
         }
         _ => fitted.clone(),
     }
