@@ -3,7 +3,7 @@
 use crate::contact_search::{ContactCandidate, within_reach};
 use crate::effects::{ALL, Simpler, apply, listed, set_by_forms};
 use crate::left::LeftLines;
-use crate::study::{as_declared, merge};
+use crate::study::{Predicted, as_declared, merge};
 use crate::{ExplainError, Fitted, Study, Unknown};
 use frettrace_forward::accelerations::{Memory, PortLaw, Quantity, Setting};
 use frettrace_identify::{Fit, Status};
@@ -22,6 +22,12 @@ const ALL_ABOUT: usize = 10;
 pub(crate) const COMPLETE: f64 = 1.05;
 /// … and in every run.
 const COMPLETE_RUN: f64 = 1.12;
+
+/// Steps of a longer fit, …
+const STEPS: usize = 30;
+/// … and of its beginning, after which a model that stays behind another one's criterion by the factor will not come before it.
+const FIRST_STEPS: usize = 6;
+const BEHIND: f64 = 1.5;
 
 /// Standard deviations that the stiffness of a support must be from nothing.
 const CARRIES: f64 = 5.0;
@@ -187,16 +193,20 @@ impl Study<'_> {
     /// the law may have come from where another wave answered better.
     pub(crate) fn polished(&self, from: &Explained) -> Result<Explained, ExplainError> {
         if from.fitted.setting.law.depends_on_place() {
-            self.fitted_on(from, &self.model.memory())
+            self.fitted_on(from, (&self.model.memory(), STEPS))
         } else {
-            self.fitted_on(from, &from.fitted.memory)
+            self.fitted_on(from, (&from.fitted.memory, STEPS))
         }
     }
 
     /// The same model fitted further, with everything free, from the motions that are remembered.
-    fn fitted_on(&self, from: &Explained, memory: &Memory) -> Result<Explained, ExplainError> {
+    fn fitted_on(
+        &self,
+        from: &Explained,
+        (memory, most): (&Memory, usize),
+    ) -> Result<Explained, ExplainError> {
         let unknowns = merge(&self.case.unknowns(), &from.added);
-        let fitted = self.fit(from.fitted.setting.clone(), &unknowns, memory, 30)?;
+        let fitted = self.fit(from.fitted.setting.clone(), &unknowns, memory, most)?;
         let mut found = self.judged(fitted, from.effects.clone(), from.added.clone());
         found.sensors.clone_from(&from.sensors);
         found.counts.clone_from(&from.counts);
@@ -206,6 +216,33 @@ impl Study<'_> {
     /// The same model without its effect of the given place in the list, fitted again: what the effect freed is held to what is
     /// declared of it. `None` where what it brought cannot be taken out of the model.
     pub(crate) fn without(&self, from: &Explained, place: usize) -> Option<Explained> {
+        // The motions are those of a model that is near: a run may have several.
+        self.fitted_on(&self.taken_out(from, place)?, (&from.fitted.memory, STEPS)).ok()
+    }
+
+    /// A model without its effect of the given place in the list and with all else as it is; `None` where what it brought cannot be taken out,
+    /// or where a run has no answer then from the motions of the fitted model.
+    pub(crate) fn emptied(&self, from: &Explained, place: usize) -> Option<Explained> {
+        let reduced = self.taken_out(from, place)?;
+        let setting = &reduced.fitted.setting;
+        let mut memory = reduced.fitted.memory.clone();
+        self.begin(setting, &self.training, &mut memory);
+        self.model.predict(setting, &self.training, &mut memory).ok()?;
+        Some(reduced)
+    }
+
+    /// A model fitted from where it is; `None` where a few steps leave it far behind another one's criterion.
+    pub(crate) fn fitted_if_near(&self, from: &Explained, criterion: f64) -> Option<Explained> {
+        let begun = self.fitted_on(from, (&from.fitted.memory, FIRST_STEPS)).ok()?;
+        if begun.criterion > BEHIND * criterion {
+            return None;
+        }
+        let ended = begun.fitted.fit.status != Status::IterationLimit;
+        if ended { Some(begun) } else { self.fitted_on(&begun, (&begun.fitted.memory, STEPS)).ok() }
+    }
+
+    /// A model that was not fitted again without its effect of the given place in the list.
+    fn taken_out(&self, from: &Explained, place: usize) -> Option<Explained> {
         let declared = self.case.unknowns();
         let others = |k: &usize| *k != place;
         let added: Vec<Unknown> =
@@ -224,8 +261,7 @@ impl Study<'_> {
         reduced.effects.remove(place);
         reduced.sensors.remove(place);
         reduced.counts.remove(place);
-        // The motions are those of a model that is near: a run may have several.
-        self.fitted_on(&reduced, &from.fitted.memory).ok()
+        Some(reduced)
     }
 
     /// A model that was not fitted: the declared values as they are.
@@ -246,6 +282,7 @@ impl Study<'_> {
             fit,
             memory: self.model.memory(),
             deviation: Vec::new(),
+            predicted: Predicted::default(),
         };
         Ok(self.judged(fitted, Vec::new(), Vec::new()))
     }

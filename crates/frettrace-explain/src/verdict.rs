@@ -8,6 +8,7 @@ use crate::{ExplainError, RunError, Study, Unknown};
 use frettrace_forward::accelerations::Setting;
 use frettrace_friction::effects::ModifiedLaw;
 use frettrace_identify::HALF_INTERVAL95;
+use rayon::prelude::*;
 
 mod asked_again;
 mod baseline;
@@ -356,7 +357,7 @@ impl Search<'_> {
     /// Largest relative error of the law's force in the runs without a period.
     fn series_error(&self, model: &Explained) -> f64 {
         let law = &model.fitted.setting.law;
-        self.study.series.iter().map(|(_, contact)| contact.error(law)).fold(0.0, f64::max)
+        self.study.series.par_iter().map(|(_, contact)| contact.error(law)).reduce(|| 0.0, f64::max)
     }
 
     /// Whether the force recovered of a run without a period contradicts the law: it misses it by more than five times the accuracy with
@@ -367,7 +368,7 @@ impl Search<'_> {
             contact.error(&setting.law) > SERIES_OPEN
                 && contact.cost(&setting.law) > SERIES_BEYOND * contact.count() as f64
         };
-        as_declared(setting) && self.study.series.iter().any(|(_, contact)| beyond(contact))
+        as_declared(setting) && self.study.series.par_iter().any(|(_, contact)| beyond(contact))
     }
 
     fn series_open(&self, model: &Explained) -> bool {
@@ -380,7 +381,10 @@ impl Search<'_> {
         if model.effects.len() != 1 {
             return None;
         }
-        let plain = self.study.without(model, 0).or_else(|| self.unnamed(model))?;
+        let plain = match self.study.emptied(model, 0) {
+            Some(plain) => self.study.fitted_if_near(&plain, baseline.criterion)?,
+            None => self.unnamed(model)?,
+        };
         (plain.criterion + EVIDENCE < baseline.criterion).then_some(plain)
     }
 

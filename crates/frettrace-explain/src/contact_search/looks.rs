@@ -14,6 +14,8 @@ const FIRST: usize = 1;
 const STARTS_OF_ONE: usize = 2;
 /// … so many.
 const GLANCE: usize = 2;
+/// Starts of the law from which forms are tried: those from which its fit without any form comes nearest in the first steps.
+const LAWS: usize = 3;
 /// Forms that are fitted further, and the steps after which the hopeless are left.
 const LOOK: usize = 8;
 const PART: usize = 10;
@@ -78,6 +80,7 @@ impl Study<'_> {
         // A bowl leads on for longer than a valley.
         let glance = if softened { BEGIN } else { GLANCE };
         let quick = at_first(recovered.quick(), softened);
+        let laws = self.nearest_starts(&quick, setting, law_unknowns, laws);
         let begun = |k: usize| -> Vec<(ContactCandidate, usize)> {
             let (index, form) = &forms[k];
             let from = |law: &ModifiedLaw<f64>| {
@@ -118,6 +121,29 @@ impl Study<'_> {
         let mut looked: Vec<(ContactCandidate, usize)> = part.into_par_iter().map(end).collect();
         looked.sort_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
         looked
+    }
+
+    /// The few starts of the law that lead nearest to the contacts without any form.
+    fn nearest_starts(
+        &self,
+        quick: &Contacts,
+        setting: &Setting,
+        law_unknowns: &[Unknown],
+        laws: &[ModifiedLaw<f64>],
+    ) -> Vec<ModifiedLaw<f64>> {
+        if laws.len() <= LAWS {
+            return laws.to_vec();
+        }
+        let plain = ContactForm::new(Vec::new());
+        let left = |law: &ModifiedLaw<f64>| {
+            let setting = Setting { law: *law, ..setting.clone() };
+            let form = (usize::MAX, &plain);
+            let found = self.contact_steps(quick, &setting, law_unknowns, form, (None, FIRST))?;
+            Some((found.criterion, *law))
+        };
+        let mut nearest: Vec<(f64, ModifiedLaw<f64>)> = laws.par_iter().filter_map(left).collect();
+        nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.into_iter().take(LAWS).map(|(_, law)| law).collect()
     }
 
     /// The best forms from other starts of the law: a law of many values that lacked an effect may have been bent too far to
