@@ -13,6 +13,7 @@ use crate::records::MOST_DIVIDED;
 use crate::{RunRecord, RunSamples, Saturation};
 use frettrace_forward::accelerations::RunLines;
 use frettrace_fourier::ProjectionError;
+use rayon::prelude::*;
 
 /// A fault of a channel.
 #[derive(Clone, Debug, PartialEq)]
@@ -160,14 +161,16 @@ impl Channels {
             let mended = RunSamples { acceleration: &self.signal[k], ..runs[k] };
             RunRecord::on(&mended, (noise, k as f64 / last), subharmonic).map_err(|source| (k, source))
         };
-        let mut found = (0..runs.len()).map(|k| on(k, None)).collect::<Result<Vec<_>, _>>()?;
+        let found: Vec<_> = (0..runs.len()).into_par_iter().map(|k| on(k, None)).collect();
+        let mut found = found.into_iter().collect::<Result<Vec<_>, _>>()?;
         let Some(common) = common_subharmonic(&found) else { return Ok(found) };
-        for (k, record) in found.iter_mut().enumerate().filter(|(_, r)| r.periodic && r.subharmonic == 1) {
+        let whole = found.par_iter_mut().enumerate().filter(|(_, r)| r.periodic && r.subharmonic == 1);
+        whole.for_each(|(k, record)| {
             // A record too short for these lines stays on its own.
             if let Some(divided) = on(k, Some(common)).ok().filter(|divided| divided.periodic) {
                 *record = divided;
             }
-        }
+        });
         Ok(found)
     }
 }

@@ -3,6 +3,7 @@
 use super::{Channels, LOUD, mean_square};
 use crate::RunSamples;
 use frettrace_fourier::{Lines, Projector, refine};
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Most lines that are taken out, …
@@ -39,8 +40,7 @@ pub(super) fn bare<'a>(
     noise: Option<&[f64]>,
     channels: &Channels,
 ) -> Option<Vec<Bare<'a>>> {
-    let mut out = Vec::with_capacity(runs.len());
-    for (run, signals) in runs.iter().zip(&channels.signal) {
+    let one = |(run, signals): (&'a RunSamples<'a>, &Vec<Vec<f64>>)| {
         let samples = run.force.len();
         let coarse = Lines {
             base: TAU * run.excitation_frequency,
@@ -60,7 +60,7 @@ pub(super) fn bare<'a>(
             .map(|(s, p)| noise.map_or_else(|| mean_square(p.residual.iter().copied()), |n| n[s] * n[s]))
             .collect();
         let (residual, drift) = projected.into_iter().map(|p| (p.residual, p.drift)).unzip();
-        out.push(Bare { run, projector, residual, variance, drift });
-    }
-    Some(out)
+        Some(Bare { run, projector, residual, variance, drift })
+    };
+    runs.par_iter().zip(&channels.signal).map(one).collect()
 }

@@ -4,6 +4,7 @@ use super::bare::{Bare, bare};
 use super::{ChannelFault, Channels, HEARD, HEARD_IN_A_RUN};
 use crate::RunSamples;
 use frettrace_fourier::dot;
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Mains frequencies (Hz) and the harmonics that are looked for.
@@ -84,16 +85,17 @@ pub(super) fn find(
         let claim = HEARD_IN_A_RUN * asked.iter().filter(|asked| **asked).count() as f64;
         let loudest = |tones: &[Tone]| tones.iter().map(|tone| tone.gain).fold(0.0, f64::max);
         let mut best: Vec<Tone> = Vec::new();
-        for multiple in 1..=HARMONICS {
-            for frequency in MAINS.map(|f| f * multiple as f64) {
-                let tones = tones((&bare, &asked), frequency);
-                let hearing = tones.iter().filter(|tone| tone.gain > claim).count();
-                if 2 * hearing > tones.len() && runs.iter().any(|run| subharmonic(run, frequency)) {
-                    continue;
-                }
-                if loudest(&tones) > loudest(&best) {
-                    best = tones;
-                }
+        let frequencies = (1..=HARMONICS).flat_map(|multiple| MAINS.map(|f| f * multiple as f64));
+        let frequencies: Vec<f64> = frequencies.collect();
+        let heard: Vec<Vec<Tone>> =
+            frequencies.par_iter().map(|frequency| tones((&bare, &asked), *frequency)).collect();
+        for (frequency, tones) in frequencies.into_iter().zip(heard) {
+            let hearing = tones.iter().filter(|tone| tone.gain > claim).count();
+            if 2 * hearing > tones.len() && runs.iter().any(|run| subharmonic(run, frequency)) {
+                continue;
+            }
+            if loudest(&tones) > loudest(&best) {
+                best = tones;
             }
         }
         // A loop of the ground is heard by every sensor.
