@@ -8,6 +8,7 @@ use frettrace_forward::accelerations::Rig;
 use frettrace_identify::contact::Family;
 use frettrace_inverse::{Form, RunReconstruction};
 use frettrace_measurement::{Measurement, SlipKind};
+use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 /// Modes summed; the rest acts through its static flexibility.
@@ -57,6 +58,12 @@ pub(crate) fn runs(
     Ok(reconstruct(measurement, &options, &Progress::silent())?.inverse.runs)
 }
 
+/// Some runs of a measurement.
+fn selected(measurement: &Measurement, of: &[usize]) -> Measurement {
+    let runs = of.iter().map(|&k| measurement.runs[k].clone()).collect();
+    Measurement { runs, ..measurement.clone() }
+}
+
 /// All runs of a measurement.
 struct Recovered {
     runs: Vec<RunReconstruction>,
@@ -80,8 +87,7 @@ fn recovered(case: &Case, measurement: &Measurement) -> Result<Recovered, StudyE
     let on_lines = |k: &usize| found[*k].lines.form != Form::Aperiodic && (all || !case.records[*k].periodic);
     let missing: Vec<usize> = (0..found.len()).filter(on_lines).collect();
     if !missing.is_empty() {
-        let mut part = measurement.clone();
-        part.runs = missing.iter().map(|&k| measurement.runs[k].clone()).collect();
+        let part = selected(measurement, &missing);
         // Over the whole spectrum no run asks for another one.
         for (k, whole) in missing.into_iter().zip(runs(&part, FormChoice::Aperiodic)?) {
             reduced[k] = reduced[k].min(whole.balance.reduced());
@@ -101,21 +107,29 @@ const DEAF: f64 = 1e4;
 fn without_bent(case: &mut Case, measurement: &Measurement, found: &Recovered) -> Option<Recovered> {
     let noise = measurement.sensors.noise_std.as_ref()?;
     let aperiodic: Vec<usize> = (0..case.records.len()).filter(|&k| !case.records[k].periodic).collect();
-    let closed = found.worst(&aperiodic) <= BALANCE_CLOSED_RUN;
+    let worst = aperiodic.iter().copied().max_by(|&a, &b| found.reduced[a].total_cmp(&found.reduced[b]))?;
+    let closed = found.reduced[worst] <= BALANCE_CLOSED_RUN;
     if closed || !broken_off(case).is_empty() || noise.len() <= LEAST_SENSORS {
         return None;
     }
+    // Where its worst run stays open by itself, a sensor is not asked of all.
+    let closes = |other: &Measurement| {
+        let alone = selected(other, &[worst]);
+        let balanced = |form| Some(runs(&alone, form).ok()?.swap_remove(0));
+        let closed = |run: &RunReconstruction| run.balance.reduced() <= CLOSED_BALANCE;
+        balanced(FormChoice::Auto).is_some_and(|run| {
+            let on_lines = run.lines.form != Form::Aperiodic;
+            closed(&run) || on_lines && balanced(FormChoice::Aperiodic).is_some_and(|run| closed(&run))
+        })
+    };
     let deaf = |sensor: usize| {
         let mut other = measurement.clone();
         other.sensors.noise_std.iter_mut().for_each(|noise| noise[sensor] *= DEAF);
-        let found = recovered(case, &other).ok()?;
+        let found = closes(&other).then(|| recovered(case, &other).ok()).flatten()?;
         (found.worst(&aperiodic) <= CLOSED_BALANCE).then_some((sensor, found))
     };
-    let mut telling = (0..noise.len()).filter_map(deaf);
-    let (sensor, found) = telling.next()?;
-    if telling.next().is_some() {
-        return None;
-    }
+    let mut telling: Vec<(usize, Recovered)> = (0..noise.len()).into_par_iter().filter_map(deaf).collect();
+    let (sensor, found) = telling.pop().filter(|_| telling.is_empty())?;
     let reading = |&k: &usize| {
         let (samples, fit) =
             (&measurement.runs[k].acceleration[sensor], &found.runs[k].acceleration_fit[sensor]);
