@@ -273,6 +273,24 @@ fn hum_between_the_lines_is_noise() {
     check(&found, &record, TARGETS);
 }
 
+/// Hum of half of the noise's deviation in one of six sensors: of 4096 samples a second the octave from 32 to 64 Hz has 32 bins, in six
+/// sensors with 192 times the power of one, to which the hum adds `0.5²·4096/4 = 256` (2.3 times the noise there), a fiftieth of the power of
+/// the record.
+#[test]
+fn weak_hum_is_uneven_noise() {
+    let hum = |record: &mut Record| {
+        let wave = (0..4096).map(|j| 0.5 * NOISE * (TAU * 60.0 * j as f64 / oracle::RATE).cos());
+        record.accelerations[2].iter_mut().zip(wave).for_each(|(a, hum)| *a += hum);
+    };
+    let (record, found) = with_more(&hum);
+    let run = &found.runs[0];
+    let told = |note: &&String| note.contains("hold their noise, yet not evenly");
+    let note = run.notes.iter().find(told).unwrap_or_else(|| panic!("{:?}", run.notes));
+    assert!(note.contains("from 32 to 64 Hz") && !note.contains("times their noise"), "{note}");
+    assert!(run.acceleration_error < 1.05 * run.noise_floor);
+    check(&found, &record, TARGETS);
+}
+
 /// Harmonics above half the sampling rate that no filter took away: they fold between the lines.
 #[test]
 fn folded_harmonics_are_named() {

@@ -2,7 +2,7 @@
 //! that of the lowest bins.
 
 /// Excess over the noise from which a band is looked at: 2.5 % in amplitude, half of what an error may exceed the noise by.
-const LEAST: f64 = 0.05;
+pub(crate) const LEAST: f64 = 0.05;
 /// The same in standard deviations.
 const SIGNIFICANT: f64 = 5.0;
 /// Bins of the lowest band: fewer have the tails of single bins.
@@ -14,7 +14,9 @@ const CHANCE: f64 = 2.0;
 /// Power of an octave over that of the noise, less one, and its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Band {
-    excess: f64,
+    /// Its first bin, and the first one beyond it.
+    pub(crate) bins: [usize; 2],
+    pub(crate) excess: f64,
     std: f64,
 }
 
@@ -51,7 +53,8 @@ pub(crate) fn excesses(periodograms: &[&[f64]], noise_std: &[f64]) -> Vec<Band> 
                 power[bins.clone()].iter().sum::<f64>() / (noise * noise).max(f64::MIN_POSITIVE)
             };
             let sum: f64 = periodograms.iter().zip(noise_std).map(ratio).sum();
-            Band { excess: sum / count - 1.0, std: count.sqrt().recip() }
+            let bins = [bins.start, bins.end];
+            Band { bins, excess: sum / count - 1.0, std: count.sqrt().recip() }
         })
         .collect()
 }

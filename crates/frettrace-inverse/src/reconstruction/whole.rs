@@ -51,6 +51,8 @@ pub(super) struct Foreign {
     power: f64,
     /// At how many times the sampling rate the lines fold, and their share of what exceeds the noise; where they do.
     folded: Option<(usize, f64)>,
+    /// The loudest octave (Hz), and its power over that of the noise.
+    loudest: ([f64; 2], f64),
 }
 
 /// What the lines of a periodic run leave, where that is more than noise: balanced over the whole spectrum where that explains it.
@@ -64,8 +66,17 @@ pub(super) fn beside_lines(setting: &Setting<'_>, equations: &Equations<'_>) -> 
         }
     }
     let excitation = equations.lines.frequency.base * equations.lines.subharmonic_order as f64;
-    Beside::Foreign(Foreign { power: rest.power(), folded: folded(rest, excitation) })
+    let power = rest.power();
+    let folded = if power > UNEVEN { folded(rest, excitation) } else { None };
+    let bands = rest.excesses(&[]);
+    let loudest = bands.iter().max_by(|a, b| a.excess.total_cmp(&b.excess));
+    let hertz = |bin: usize| bin as f64 * rest.rate / rest.force.len() as f64;
+    let loudest = loudest.map_or(([0.0; 2], power), |band| (band.bins.map(hertz), 1.0 + band.excess));
+    Beside::Foreign(Foreign { power, folded, loudest })
 }
+
+/// Power over that of the noise up to which a record holds no more than its noise, however that is spread.
+const UNEVEN: f64 = 1.0 + bands::LEAST;
 
 /// Multiples of the sampling rate at which lines may have folded: that of the recorder, and those of a finer record that was thinned.
 const RATES: usize = 8;
@@ -99,6 +110,13 @@ fn folded(rest: &Left, excitation: f64) -> Option<(usize, f64)> {
 impl std::fmt::Display for Foreign {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let level = self.power.sqrt();
+        if self.power <= UNEVEN {
+            let ([from, to], power) = self.loudest;
+            return write!(
+                out,
+                "between the lines the accelerations hold their noise, yet not evenly: {power:.2} times its share from {from:.0} to {to:.0} Hz, which no contact force makes; coloured noise, weak hum or a loose sensor"
+            );
+        }
         write!(
             out,
             "between the lines the accelerations hold {level:.2} times their noise, which no contact force makes"
