@@ -223,11 +223,10 @@ impl Study<'_> {
     /// A model without its effect of the given place in the list and with all else as it is; `None` where what it brought cannot be taken out,
     /// or where a run has no answer then from the motions of the fitted model.
     pub(crate) fn emptied(&self, from: &Explained, place: usize) -> Option<Explained> {
-        let reduced = self.taken_out(from, place)?;
-        let setting = &reduced.fitted.setting;
-        let mut memory = reduced.fitted.memory.clone();
-        self.begin(setting, &self.training, &mut memory);
-        self.model.predict(setting, &self.training, &mut memory).ok()?;
+        let mut reduced = self.taken_out(from, place)?;
+        let Fitted { setting, memory, .. } = &mut reduced.fitted;
+        self.begin(setting, &self.training, memory);
+        self.model.predict(setting, &self.training, memory).ok()?;
         Some(reduced)
     }
 

@@ -27,7 +27,7 @@ pub fn recover_aperiodic(
     if case.records.iter().all(|record| record.periodic) {
         return Ok(Vec::new());
     }
-    let mut found = recovered(case, &without_sensors(measurement, &broken_off(case)))?;
+    let mut found = recovered(&without_sensors(measurement, &broken_off(case)), &on_bins(case))?;
     if let Some(better) = without_bent(case, measurement, &found) {
         found = better;
     }
@@ -59,7 +59,7 @@ pub(crate) fn runs(
 }
 
 /// Some runs of a measurement.
-fn selected(measurement: &Measurement, of: &[usize]) -> Measurement {
+pub(crate) fn selected(measurement: &Measurement, of: &[usize]) -> Measurement {
     let runs = of.iter().map(|&k| measurement.runs[k].clone()).collect();
     Measurement { runs, ..measurement.clone() }
 }
@@ -78,13 +78,18 @@ impl Recovered {
     }
 }
 
-/// All runs of a measurement, over the whole spectrum those that are not periodic, and where it is judged by them the others too.
-fn recovered(case: &Case, measurement: &Measurement) -> Result<Recovered, StudyError> {
+/// Which runs of a case are wanted bin by bin: those that are not periodic, and where it is judged by them the others too.
+fn on_bins(case: &Case) -> Vec<bool> {
+    let all = is_told_by_contacts(case);
+    case.records.iter().map(|record| all || !record.periodic).collect()
+}
+
+/// All runs of a measurement, over the whole spectrum those that are wanted bin by bin.
+fn recovered(measurement: &Measurement, on_bins: &[bool]) -> Result<Recovered, StudyError> {
     let mut found = runs(measurement, FormChoice::Auto)?;
     let mut reduced: Vec<f64> = found.iter().map(|run| run.balance.reduced()).collect();
     // What the inverse adds beside its lines is no run of bins.
-    let all = is_told_by_contacts(case);
-    let on_lines = |k: &usize| found[*k].lines.form != Form::Aperiodic && (all || !case.records[*k].periodic);
+    let on_lines = |k: &usize| found[*k].lines.form != Form::Aperiodic && on_bins[*k];
     let missing: Vec<usize> = (0..found.len()).filter(on_lines).collect();
     if !missing.is_empty() {
         let part = selected(measurement, &missing);
@@ -114,18 +119,14 @@ fn without_bent(case: &mut Case, measurement: &Measurement, found: &Recovered) -
     }
     // Where its worst run stays open by itself, a sensor is not asked of all.
     let closes = |other: &Measurement| {
-        let alone = selected(other, &[worst]);
-        let balanced = |form| Some(runs(&alone, form).ok()?.swap_remove(0));
-        let closed = |run: &RunReconstruction| run.balance.reduced() <= CLOSED_BALANCE;
-        balanced(FormChoice::Auto).is_some_and(|run| {
-            let on_lines = run.lines.form != Form::Aperiodic;
-            closed(&run) || on_lines && balanced(FormChoice::Aperiodic).is_some_and(|run| closed(&run))
-        })
+        let alone = recovered(&selected(other, &[worst]), &[true]);
+        alone.is_ok_and(|alone| alone.reduced[0] <= CLOSED_BALANCE)
     };
+    let on_bins = on_bins(case);
     let deaf = |sensor: usize| {
         let mut other = measurement.clone();
         other.sensors.noise_std.iter_mut().for_each(|noise| noise[sensor] *= DEAF);
-        let found = closes(&other).then(|| recovered(case, &other).ok()).flatten()?;
+        let found = closes(&other).then(|| recovered(&other, &on_bins).ok()).flatten()?;
         (found.worst(&aperiodic) <= CLOSED_BALANCE).then_some((sensor, found))
     };
     let mut telling: Vec<(usize, Recovered)> = (0..noise.len()).into_par_iter().filter_map(deaf).collect();

@@ -57,19 +57,24 @@ impl Study<'_> {
             // Nothing was fitted to such a run, so that there is no solution of it to start from.
             approached: !self.training.contains(&run),
         };
-        let unknown = |run: &usize| fitted.predicted.of(&by(*run), *run).is_none();
-        let new: Vec<usize> = selected.iter().copied().filter(unknown).collect();
-        for (&run, found) in new.iter().zip(self.predicted(fitted, &new)) {
-            fitted.predicted.keep(by(run), run, found);
+        let mut known: Vec<Option<Option<Prediction>>> =
+            selected.iter().map(|&run| fitted.predicted.of(&by(run), run)).collect();
+        let new: Vec<usize> = (0..known.len()).filter(|&k| known[k].is_none()).collect();
+        if !new.is_empty() {
+            let runs: Vec<usize> = new.iter().map(|&k| selected[k]).collect();
+            for (&k, found) in new.iter().zip(self.predicted(fitted, &runs)) {
+                fitted.predicted.keep(by(selected[k]), selected[k], found.clone());
+                known[k] = Some(found);
+            }
         }
-        let completed = |run: usize| {
-            let found = fitted.predicted.of(&by(run), run).flatten()?;
+        let completed = |(&run, found): (&usize, Option<Option<Prediction>>)| {
+            let found = found.flatten()?;
             Some(match &self.support {
                 Some(support) => support.completed(run, &self.model.runs[run], found),
                 None => found,
             })
         };
-        selected.iter().map(|&run| completed(run)).collect()
+        selected.iter().zip(known).map(completed).collect()
     }
 
     /// The same of the model alone, from nothing but its memory.
@@ -82,6 +87,9 @@ impl Study<'_> {
         let mut found: Vec<Option<Prediction>> = found.into_iter().map(Result::ok).collect();
         let far = |k: &usize| found[*k].is_none() && !self.training.contains(&selected[*k]);
         let far: Vec<usize> = (0..found.len()).filter(far).collect();
+        if far.is_empty() {
+            return found;
+        }
         let runs: Vec<usize> = far.iter().map(|&k| selected[k]).collect();
         if let Ok(approached) = self.model.approach_each(&fitted.setting, &runs, &mut memory) {
             far.iter().zip(approached).for_each(|(&k, one)| found[k] = one.ok());

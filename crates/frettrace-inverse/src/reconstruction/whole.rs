@@ -58,18 +58,18 @@ pub(super) struct Foreign {
 /// What the lines of a periodic run leave, where that is more than noise: balanced over the whole spectrum where that explains it.
 pub(super) fn beside_lines(setting: &Setting<'_>, equations: &Equations<'_>) -> Beside {
     let Some(rest) = equations.lines.rest.as_ref() else { return Beside::Nothing };
+    let octaves = rest.excesses(&[]);
     if rest.accelerations.len() > equations.loads.len() {
         let known = Known::default();
         let found = Estimated::new(setting, rest, (&known, equations.share()), &equations.loads);
-        if bands::is_explained(&rest.excesses(&[]), &rest.excesses(&found.fitted())) {
+        if bands::is_explained(&octaves, &rest.excesses(&found.fitted())) {
             return Beside::Contact(Box::new(found.balance()));
         }
     }
     let excitation = equations.lines.frequency.base * equations.lines.subharmonic_order as f64;
     let power = rest.power();
     let folded = if power > UNEVEN { folded(rest, excitation) } else { None };
-    let bands = rest.excesses(&[]);
-    let loudest = bands.iter().max_by(|a, b| a.excess.total_cmp(&b.excess));
+    let loudest = octaves.iter().max_by(|a, b| a.excess.total_cmp(&b.excess));
     let hertz = |bin: usize| bin as f64 * rest.rate / rest.force.len() as f64;
     let loudest = loudest.map_or(([0.0; 2], power), |band| (band.bins.map(hertz), 1.0 + band.excess));
     Beside::Foreign(Foreign { power, folded, loudest })

@@ -91,8 +91,7 @@ struct Found {
 
 impl Suspects {
     fn new(measurement: &Measurement, outcome: &Outcome, runs: &[usize]) -> Self {
-        let mut part = measurement.clone();
-        part.runs = runs.iter().map(|&run| measurement.runs[run].clone()).collect();
+        let mut part = case::selected(measurement, runs);
         let fitted = identification(measurement, &measurement.support.law, &outcome.model).structure.modes;
         let known = fitted
             .iter()
