@@ -3,7 +3,7 @@
 use crate::contact_search::{ContactCandidate, within_reach};
 use crate::effects::{ALL, Simpler, apply, listed, set_by_forms};
 use crate::left::LeftLines;
-use crate::study::{Predicted, as_declared, merge};
+use crate::study::{Predicted, as_declared, breaks_away, merge};
 use crate::{ExplainError, Fitted, Study, Unknown};
 use frettrace_forward::accelerations::{Memory, PortLaw, Quantity, Setting};
 use frettrace_identify::{Fit, Status};
@@ -256,6 +256,9 @@ impl Study<'_> {
         }
         let law = &mut reduced.fitted.setting.law;
         set_by_forms(from.effects[place], &law.clone(), &self.scales).for_each(|hook| law.clear(hook));
+        if breaks_away(&reduced.fitted.setting).is_none() {
+            reduced.fitted.setting.deflections.clear();
+        }
         reduced.added = added;
         reduced.effects.remove(place);
         reduced.sensors.remove(place);
@@ -293,7 +296,10 @@ impl Study<'_> {
         let series = self.series_cost(&fitted.setting);
         // Where a stop lets runs rest is a value of each.
         let rests = fitted.setting.rests.1.iter().filter(|rest| **rest != 0.0).count();
-        let criterion = fitted.fit.cost + series + (fitted.unknowns.len() + rests) as f64 * count.ln();
+        // So is the deflection of a contact that has not settled, of each run that is fitted.
+        let has_own = |run: &&usize| fitted.setting.deflections.get(**run).is_some_and(Option::is_some);
+        let own = rests + self.training.iter().filter(has_own).count();
+        let criterion = fitted.fit.cost + series + (fitted.unknowns.len() + own) as f64 * count.ln();
         let worst = self.training.iter().map(|&run| self.error(&fitted, &[run]).ratio()).fold(0.0, f64::max);
         let ratio = self.error(&fitted, &self.training).ratio();
         let sensors = vec![None; effects.len()];

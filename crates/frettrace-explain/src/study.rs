@@ -16,10 +16,12 @@ use frettrace_identify::{Fit, FitSettings, IdentifyError, fit_with_memory};
 use num_complex::Complex64;
 use std::sync::Arc;
 
+mod creep;
 mod errors;
 mod grids;
 mod predicted;
 
+pub(crate) use creep::breaks_away;
 pub use errors::RunError;
 use grids::model_lines;
 pub(crate) use predicted::Predicted;

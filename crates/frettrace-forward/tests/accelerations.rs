@@ -384,6 +384,37 @@ fn a_bristle_that_forgets_nothing_feels_its_mean_through_the_preload() {
     assert!(slip.abs() > 1e-10 && (slip / (-give * force) - 1.0).abs() < 1e-6, "{slip:e} {force:e} {give:e}");
 }
 
+/// One that slid on its way has another deflection `z₀` where its period begins, and keeps `z₀ + σ₀ (u − u(0))`: a value of the run, by which
+/// the modulation's force on the excitation's line is another one. Where the law's bristle would settle, it does not.
+#[test]
+fn a_contact_that_has_not_settled_has_a_deflection_of_its_own() {
+    let (sigma, share, deflection) = (5e5, 0.2, 0.03);
+    let mut law = ModifiedLaw::dahl(sigma, 0.25);
+    law.set(Hook::Breakaway, 0.9);
+    law.set(Hook::ModulationCosine, share);
+    law.set(Hook::ModulationSine, 0.0);
+    let mut setting = Setting { law, deflections: vec![Some(deflection); 2], ..setting() };
+    derivatives_agree(&stuck(), &setting);
+    let model = stuck();
+    let found = model.contact(&setting, 1, &mut model.memory()).unwrap();
+    let (samples, preload) = (found.slip.len() as f64, model.runs[1].preload);
+    for (k, ((slip, normal), force)) in found.slip.iter().zip(&found.normal).zip(&found.force).enumerate() {
+        let pressed = normal + preload * share * (std::f64::consts::TAU * k as f64 / samples).cos();
+        let expected = pressed * (deflection + sigma * (slip - found.slip[0]));
+        assert!((force - expected).abs() < 1e-6 * preload * 0.25, "{k}: {force} {expected}");
+    }
+    assert!((found.deflection - deflection).abs() < 1e-12 && found.creep.abs() < 1e-9);
+    // A bristle that yields from the start forgets, and creeps towards what it would settle to.
+    setting.law.set(Hook::Breakaway, 0.0);
+    derivatives_agree(&stuck(), &setting);
+    let found = model.contact(&setting, 1, &mut model.memory()).unwrap();
+    setting.deflections.clear();
+    let settled = model.contact(&setting, 1, &mut model.memory()).unwrap();
+    assert!((found.deflection - deflection).abs() < 1e-12 && settled.creep == 0.0);
+    let away = deflection - settled.deflection;
+    assert!(found.creep * away < 0.0 && found.creep.abs() < away.abs(), "{:e} of {away:e}", found.creep);
+}
+
 /// A contact that only pushes along or against its motion has the same slopes at every instant: what grows with `s` meets the slip per
 /// force of all modes, `R(s) = Σ (r φ'_n)²/(s² + 2ζ_n ω_n s + ω_n²)`, and the margin is the least `1 + (K + cs)R(s)` of what lines do not follow.
 #[test]

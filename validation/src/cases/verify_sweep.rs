@@ -26,7 +26,7 @@ const QUICK: f64 = 1.0;
 /// path with another formula, twice, in runs without a period that rest elsewhere, and a lag on its way that a film was ahead of; two contacts
 /// that snap, and a wear whose course the runs held out had to tell; modulations of the preload that the mean of a bristle carries, twice, and one without a
 /// line in the quietest run; a stop that only a run without a period reaches.
-const MENDED: [(u64, &str); 56] = [
+const MENDED: [(u64, &str); 57] = [
     (251, "clean 2 lugre rotation"),
     (251, "structure.quadratic-damping 1 hybrid transverse"),
     (251, "unlisted:structure/even-stiffness 1 dahl transverse"),
@@ -83,6 +83,7 @@ const MENDED: [(u64, &str); 56] = [
     (308, "excitation.preload-modulation 2 hybrid transverse"),
     (309, "excitation.preload-modulation/square 2 dahl rotation"),
     (310, "structure.second-support/round 2 hybrid transverse"),
+    (311, "excitation.preload-modulation 2 hybrid transverse"),
 ];
 
 fn run() -> anyhow::Result<Outcome> {

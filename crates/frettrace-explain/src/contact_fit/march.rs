@@ -24,6 +24,7 @@ impl Recovered {
             worked: self.worked,
             modulation,
             modulation_phase: modulation as f64 * self.base_phase,
+            deflection: None,
         }
     }
 

@@ -29,13 +29,14 @@ impl Search<'_> {
     /// finer grid.
     pub(super) fn further(&mut self, mut current: Explained, lacked: f64) -> Explained {
         if current.complete() {
-            return current;
+            return self.study.unsettled_contacts(current);
         }
         if let Ok(better) = self.study.polished(&current)
             && better.criterion < current.criterion
         {
             current = better;
         }
+        current = self.study.unsettled_contacts(current);
         // Kinks of the contact send their force to every line: its error falls with each finer grid. A rigid contact has no other
         // corners than these, and a declared one may be far from the noise for nothing else.
         let kinked = current.fitted.setting.rigid && current.effects.is_empty();

@@ -360,6 +360,12 @@ impl Search<'_> {
                 stop.coefficients[1]
             ));
         }
+        let unsettled = model.fitted.setting.deflections.iter().flatten().count();
+        if unsettled > 0 {
+            self.notes.push(format!(
+                "contacts that stick or creep and had not come to their steady state, by the runs they are in: {unsettled}; the deflection with which its period begins is a value of each, told by that run alone, in runs held out too"
+            ));
+        }
         if self.other_formula {
             self.notes.push(format!(
                 "the named effect leaves {:.2} times the noise in the worst training run: its formula here is another one, but it takes {:.2} % of what was missing and every rival leaves ten times as much",

@@ -26,6 +26,8 @@ pub(super) struct Contact<'a> {
     pub modulation: usize,
     /// Phase of that line at the first sample (rad).
     pub modulation_phase: f64,
+    /// Deflection with which the period begins, where the contact has not settled.
+    pub deflection: Option<f64>,
 }
 
 /// The motion of a step as directions of differentiation, after the states.
@@ -74,12 +76,18 @@ impl Contact<'_> {
             worked: self.worked,
             modulation: self.modulation,
             modulation_phase: self.modulation_phase,
+            deflection: self.deflection,
         }
     }
 
     /// The force over the settled period, and the state with which that starts.
     pub fn start(&self, motion: &Motion, force: &mut [f64]) -> ModifiedState<f64> {
         self.law.settle(&self.along(motion), force)
+    }
+
+    /// What the deflection gains in a period.
+    pub fn creep(&self, motion: &Motion) -> f64 {
+        self.law.creep(&self.along(motion))
     }
 
     /// Local derivatives of every step of the settled period, and those of the state with which it starts.

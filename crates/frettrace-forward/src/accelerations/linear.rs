@@ -43,7 +43,11 @@ impl<'a> Tangent<'a> {
                 d.iter().zip(v).map(|(d, v)| port.law.force(&port.coefficients, *d, *v)).collect()
             })
             .collect();
-        let response = Response::new(&locals, &begun, evaluation.setting.law.states());
+        let response = Response::new(
+            &locals,
+            &begun,
+            (evaluation.setting.law.states(), evaluation.deflection.is_some()),
+        );
         Self { evaluation, locals, begun, ports, response }
     }
 

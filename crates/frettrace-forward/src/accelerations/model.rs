@@ -169,6 +169,7 @@ impl AccelerationModel {
             rotation: self.rig.lever.is_some(),
             grid: &self.grids[run],
             rest: setting.rests.1.get(run).map(|rest| (setting.rests.0, *rest)),
+            deflection: setting.deflections.get(run).copied().flatten(),
         }
     }
 
@@ -365,7 +366,9 @@ impl AccelerationModel {
     ) -> Result<ContactHistory, AccelerationError> {
         let structure = self.structure(setting)?;
         let mut histories = self.each(&[run], memory, |run, kept| {
-            self.settled((&structure, setting), run, kept, |_, state| ContactHistory {
+            self.settled((&structure, setting), run, kept, |evaluation, state| ContactHistory {
+                deflection: state.start.map_or(0.0, |start| start.0[0]),
+                creep: evaluation.contact().creep(&state.contact),
                 slip: state.contact.slip,
                 velocity: state.contact.velocity,
                 normal: state.contact.normal,
@@ -387,6 +390,10 @@ pub struct ContactHistory {
     pub normal: Vec<f64>,
     /// Friction force (N).
     pub force: Vec<f64>,
+    /// Deflection with which the period begins, in units of the friction coefficient.
+    pub deflection: f64,
+    /// What that gains in the period, where it was given ([`Setting::deflections`]).
+    pub creep: f64,
 }
 
 fn grids(runs: &[RunLines]) -> Result<Arc<Vec<Grid>>, GridError> {

@@ -60,8 +60,8 @@ impl<const L: usize> Moves<'_, L> {
 }
 
 impl Response {
-    /// The response of a law that uses the first `used` states.
-    pub fn new(locals: &[Local], begun: &Begun, used: usize) -> Self {
+    /// The response of a law that uses the first `used` states; the first of them may be `held` at the start.
+    pub fn new(locals: &[Local], begun: &Begun, (used, held): (usize, bool)) -> Self {
         let mut rows = Vec::with_capacity(locals.len() * (1 + used) * (MOTIONS + used));
         for local in locals {
             for gradient in std::iter::once(&local.force).chain(local.state.iter().take(used)) {
@@ -74,16 +74,16 @@ impl Response {
         let begun = std::array::from_fn(|i| by_motion(&begun[i]));
         let mut response = Self { used, rows, initial, period: Monodromy::new(0, |_, _| 0.0), begun };
         response.period = match used {
-            1 => response.run_through::<1>(),
-            2 => response.run_through::<2>(),
-            3 => response.run_through::<3>(),
-            _ => response.run_through::<STATES>(),
+            1 => response.run_through::<1>(held),
+            2 => response.run_through::<2>(held),
+            3 => response.run_through::<3>(held),
+            _ => response.run_through::<STATES>(held),
         };
         response
     }
 
-    /// What each initial state alone, a direction each, does over the period.
-    fn run_through<const M: usize>(&mut self) -> Monodromy {
+    /// What each initial state alone, a direction each, does over the period; one that is held at the start stays what it is.
+    fn run_through<const M: usize>(&mut self, held: bool) -> Monodromy {
         let samples = self.initial.len();
         let mut state: [[f64; M]; M] =
             std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
@@ -92,7 +92,7 @@ impl Response {
             let force = self.step(k, next, &Moves::STILL, &mut state);
             self.initial[next][..M].copy_from_slice(&force);
         }
-        Monodromy::new(M, |i, j| state[i][j])
+        Monodromy::new(M, |i, j| if held && i == 0 { f64::from(u8::from(j == 0)) } else { state[i][j] })
     }
 
     /// Change of the force after step `k`; moves the change of the state. `M` states are used, in `L` directions: known when

@@ -109,6 +109,8 @@ pub(super) struct Evaluation<'a> {
     pub grid: &'a Grid,
     /// Port that the mean of the friction displaces by a known way, and that way ([`Setting::rests`]).
     pub rest: Option<(usize, f64)>,
+    /// Deflection with which the period begins, where the contact has not settled ([`Setting::deflections`]).
+    pub deflection: Option<f64>,
 }
 
 /// Motions and forces of one run on the phase grid.
@@ -251,6 +253,7 @@ impl Evaluation<'_> {
             worked: self.lines.worked,
             modulation,
             modulation_phase: modulation as f64 * self.lines.base_phase,
+            deflection: self.deflection,
         }
     }
 

@@ -159,6 +159,10 @@ pub struct Setting {
     /// one of its history's, which no accelerometer sees and no law of the period knows, and a stop feels where that holds the beam. Empty
     /// where the law's own mean is believed.
     pub rests: (usize, Vec<f64>),
+    /// Deflection of the contact (in units of the friction coefficient) with which the period of each run begins, where that has not settled: a
+    /// bristle that is elastic up to its breakaway keeps what it came to, or creeps from it for thousands of periods. No value, or none at
+    /// all, where it has settled.
+    pub deflections: Vec<Option<f64>>,
     /// Added mass (kg) and its position (m).
     pub mass: Option<[f64; 2]>,
     /// Rotational compliance of the clamp, `EI/(k_c L)`.
@@ -210,6 +214,7 @@ impl Setting {
             modulation: FrequencyRatio::ONE,
             ports: Vec::new(),
             rests: (0, Vec::new()),
+            deflections: Vec::new(),
             mass: None,
             clamp_compliance: 0.0,
             drift: 0.0,

@@ -43,6 +43,9 @@ pub struct Periodic<'a> {
     pub modulation: usize,
     /// Phase of that line at the first sample (rad).
     pub modulation_phase: f64,
+    /// Deflection (in units of the friction coefficient) with which the period begins, where the contact has not settled: one that creeps by
+    /// little in a period moves as if it had, for long. `None` where it has.
+    pub deflection: Option<f64>,
 }
 
 impl Periodic<'_> {
@@ -90,11 +93,15 @@ impl<T: Scalar> ModifiedLaw<T> {
         let virgin =
             Step { slip: [T::from(0.0), slip], velocity: [velocity; 2], normal: [normal; 2], dt: along.dt };
         let last = along.slip.len() - 1;
-        self.advance(self.rest_at(T::from(0.0)), &virgin, &along.circumstance(self, last)).0
+        let mut begun = self.advance(self.rest_at(T::from(0.0)), &virgin, &along.circumstance(self, last)).0;
+        if let Some(deflection) = along.deflection {
+            begun.0[0] = T::from(deflection);
+        }
+        begun
     }
 
-    /// The state that the contact came to from rest, where the settled period still starts with it: one that forgets nothing keeps it.
-    /// `None` for each state that the period has changed.
+    /// The state that the contact came to from rest, or that it is given, where the period still starts with it: one that forgets nothing
+    /// keeps it. `None` for each state that the period has changed.
     #[must_use]
     pub fn kept(
         &self,
@@ -122,11 +129,26 @@ struct Rubbed {
 
 impl ModifiedLaw<f64> {
     /// Writes the settled force (N) at every sample of a motion; the state with which its period begins. A contact that never
-    /// forgets is as it comes from rest along its virgin curve.
+    /// forgets is as it comes from rest along its virgin curve, and one that has not settled begins with its own deflection.
     pub fn settle(&self, along: &Periodic<'_>, force: &mut [f64]) -> ModifiedState<f64> {
         if along.is_rigid(self) {
             return self.settle_rigid(along, force);
         }
+        self.settle_yielding(along, force).0
+    }
+
+    /// What the deflection gains in a period that begins with one of its own ([`Periodic::deflection`]); nothing where it has settled.
+    #[must_use]
+    pub fn creep(&self, along: &Periodic<'_>) -> f64 {
+        if along.deflection.is_none() || along.is_rigid(self) {
+            return 0.0;
+        }
+        let (start, end) = self.settle_yielding(along, &mut vec![0.0; along.slip.len()]);
+        end - start.0[0]
+    }
+
+    /// A contact that is not set-valued at rest; the deflection with which its period ends, too.
+    fn settle_yielding(&self, along: &Periodic<'_>, force: &mut [f64]) -> (ModifiedState<f64>, f64) {
         let begun = self.begun((along.slip[0], along.velocity[0], along.normal[0]), along);
         let [b, memory, engaged, lagged] = begun.0;
         let (mut legs, of_step, engaged) = self.legs(along, engaged);
@@ -150,7 +172,8 @@ impl ModifiedLaw<f64> {
             force[next] = self.force(rubbed.deflection[k], &end, velocity, friction);
         }
         let lagged = if self.on(Hook::ForceLag) { self.settle_lag(along, force, lagged) } else { lagged };
-        ModifiedState([rubbed.start, memory, engaged, lagged])
+        let end = rubbed.deflection.last().copied().unwrap_or(rubbed.start);
+        (ModifiedState([rubbed.start, memory, engaged, lagged]), end)
     }
 
     /// Normal force at a sample, with the modulation of the preload.
@@ -206,7 +229,10 @@ impl ModifiedLaw<f64> {
             let from = |k: usize| k.checked_sub(1).map_or(0, |before| of_step[before] + 1);
             repeated.lead(start, |k, b| (from(k)..=of_step[k]).fold(b, |b, leg| over(leg, b)))
         };
-        let start = if self.is_linear() {
+        let start = if along.deflection.is_some() {
+            period(b, &|leg, b| flows[leg].over(self, b));
+            b
+        } else if self.is_linear() {
             let map = |flow: &Flow<f64>| {
                 let added = flow.over(self, 0.0);
                 [added, flow.over(self, 1.0) - added]

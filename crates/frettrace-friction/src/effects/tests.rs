@@ -396,6 +396,7 @@ impl Course {
             worked: [0.7; 2],
             modulation: 3,
             modulation_phase: 0.7,
+            deflection: None,
         }
     }
 }
@@ -436,6 +437,36 @@ fn settling_part_by_part_is_marching_for_long() {
             for (a, b) in start.0.iter().zip(reached).take(law.states()) {
                 assert!((a - b).abs() < 1e-7 * (a.abs() + 1e-3), "law {number}: {a} {b}");
             }
+        }
+    }
+}
+
+/// A contact that has not settled begins its period with a deflection of its own: the force is that of one period marched from there, and the creep
+/// what the deflection has gained in it. Begun with the settled deflection, it creeps by nothing.
+#[test]
+fn a_period_may_begin_with_a_deflection_of_its_own() {
+    let course = Course::new(1e-6);
+    let plain = course.along(false);
+    for (number, law) in zoo().into_iter().enumerate() {
+        let settled = law.settle(&plain, &mut vec![0.0; SAMPLES]).0[0];
+        // A force that lags follows that of the period, which begins with its last sample: it knows no jump there.
+        let away = if law.get(Hook::ForceLag).is_some() { 0.0 } else { 0.03 };
+        for deflection in [settled, settled + away] {
+            let along = Periodic { deflection: Some(deflection), ..plain };
+            let mut force = vec![0.0; SAMPLES];
+            let start = law.settle(&along, &mut force);
+            assert_eq!(start.0[0], deflection, "law {number}");
+            let mut state = start;
+            let mut marched = vec![0.0; SAMPLES];
+            for k in 0..SAMPLES {
+                (state, marched[along.next(k)]) =
+                    law.advance(state, &along.step(k), &along.circumstance(&law, k));
+            }
+            let apart = force.iter().zip(&marched).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-8 * 20.0, "law {number}: {apart:.1e} N");
+            let creep = law.creep(&along);
+            assert!((creep - (state.0[0] - deflection)).abs() < 1e-10, "law {number}: {creep:.1e}");
+            assert!(deflection != settled || creep.abs() < 1e-8, "law {number}: {creep:.1e}");
         }
     }
 }

@@ -1,0 +1,177 @@
+//! Contacts that have not settled ([`Setting::deflections`]): found in turns with everything else.
+//!
+//! A bristle that is elastic up to its breakaway keeps the deflection `z₀` that it came to when a run last slid, or creeps from it for thousands
+//! of periods, by less than any record shows. Under a preload that does not change that is a constant force, which no accelerometer sees; a
+//! modulated one puts it on the modulation's line. `z₀` is then a value of the run, and that run alone tells it: its χ² is nearly a parabola
+//! in it. A contact that would lose more of it in a period than a record could hide has settled, whatever χ² says. Along a given motion it
+//! loses a share `r` in a period; on the beam, which follows its mean force with the static compliance `R₀`, `r/(1 + R₀ P σ₀)`: what the
+//! bristle gives way the beam takes up, and a soft beam keeps a contact from settling for long.
+
+use super::{Predicted, Study};
+use crate::search::Explained;
+use frettrace_forward::accelerations::{ContactHistory, Setting};
+use frettrace_friction::effects::Hook;
+
+/// Turns of the deflections and of everything else.
+const TURNS: usize = 8;
+/// Distances at which the parabola is taken, as shares of the deflection that breaks away: a look, then two corrections where it is none.
+const DISTANCES: [f64; 3] = [0.2, 0.05, 0.02];
+/// Farthest step, in these distances.
+const FARTHEST: f64 = 5.0;
+/// χ² by which a run must tell that its contact has not settled.
+const TELLS: f64 = 9.0;
+/// Share of its distance from where it would settle that such a contact loses in a period at most: half of it in seventy.
+const CREEPS: f64 = 0.01;
+
+/// Deflection at which a law breaks away, where an accelerometer sees what it never forgets.
+pub(crate) fn breaks_away(setting: &Setting) -> Option<f64> {
+    let law = &setting.law;
+    let share = law.get(Hook::Breakaway).filter(|share| *share > 0.0)?;
+    law.get(Hook::ModulationCosine)?;
+    Some(share * law.get(Hook::MuKinetic)?)
+}
+
+impl Study<'_> {
+    /// A model in which contacts that have not settled begin their periods with deflections of their own, these and everything else in turns;
+    /// the same model where no run tells that its contact has not.
+    pub(crate) fn unsettled_contacts(&self, mut model: Explained) -> Explained {
+        for _ in 0..TURNS {
+            let Some(setting) = self.deflected(&model) else { break };
+            let of = |setting: &Setting, run: usize| setting.deflections.get(run).copied().flatten();
+            let before = &model.fitted.setting;
+            let fitted = self.training.iter().any(|&run| of(before, run) != of(&setting, run));
+            let mut other = model.clone();
+            other.fitted.setting = setting;
+            if !fitted {
+                return other;
+            }
+            match self.polished(&other) {
+                Ok(better) if better.criterion + TELLS < model.criterion => model = better,
+                _ => break,
+            }
+        }
+        model
+    }
+
+    /// The values of a model with the deflections that its runs tell; `None` where none tells another one than it has.
+    fn deflected(&self, model: &Explained) -> Option<Setting> {
+        let distance = breaks_away(&model.fitted.setting)?;
+        let runs = self.all_runs();
+        let mut setting = model.fitted.setting.clone();
+        let histories = |setting: &Setting| self.contact_histories(model, setting, &runs);
+        let settled = Setting { deflections: Vec::new(), ..setting.clone() };
+        let settled = histories(&settled);
+        let balances = self.model.balance(&setting, &runs).ok()?;
+        let sigma0 = setting.law.get(Hook::Sigma0).unwrap_or_default();
+        let follows = |k: usize, run: usize| {
+            1.0 + balances[k].slip_gain[0].re.abs() * self.model.runs[run].preload * sigma0
+        };
+        setting.deflections.resize(self.model.runs.len(), None);
+        let mut left = self.chi_squared(model, &setting, &runs);
+        let mut moved = false;
+        for distance in DISTANCES.map(|share| share * distance) {
+            let begins: Vec<f64> = (histories(&setting).iter())
+                .map(|history| history.as_ref().map_or(0.0, |history| history.deflection))
+                .collect();
+            let away = |steps: &dyn Fn(usize) -> f64| {
+                let mut other = setting.clone();
+                for (k, &run) in runs.iter().enumerate() {
+                    other.deflections[run] = Some(begins[k] + steps(k) * distance);
+                }
+                let left = self.chi_squared(model, &other, &runs);
+                (other, left)
+            };
+            let [(_, below), (_, above)] = [-1.0, 1.0].map(|step| away(&|_| step));
+            let step = |k: usize| vertex([below[k], left[k], above[k]]).clamp(-FARTHEST, FARTHEST);
+            let (other, found) = away(&step);
+            let creeps = histories(&other);
+            for (k, &run) in runs.iter().enumerate() {
+                if found[k] + TELLS < left[k] && creeping(&creeps[k], &settled[k], follows(k, run)) {
+                    setting.deflections[run] = other.deflections[run];
+                    left[k] = found[k];
+                    moved = true;
+                }
+            }
+        }
+        moved.then_some(setting)
+    }
+
+    /// What the contact does in some runs with other values than a fitted model has, from its motions; `None` where a balance does not close.
+    fn contact_histories(
+        &self,
+        model: &Explained,
+        setting: &Setting,
+        runs: &[usize],
+    ) -> Vec<Option<ContactHistory>> {
+        let mut memory = model.fitted.memory.clone();
+        runs.iter().map(|&run| self.model.contact(setting, run, &mut memory).ok()).collect()
+    }
+
+    /// χ² of each of some runs with other values than a fitted model has, from its motions.
+    fn chi_squared(&self, model: &Explained, setting: &Setting, runs: &[usize]) -> Vec<f64> {
+        let mut fitted = model.fitted.clone();
+        fitted.setting = setting.clone();
+        fitted.predicted = Predicted::default();
+        let predictions = self.predictions(&fitted, runs);
+        let of_run = |(&run, prediction): (&usize, &Option<_>)| {
+            let sensors = self.sensor_errors(run, prediction.as_ref());
+            sensors.iter().map(|one| one.count * one.error / one.floor).sum()
+        };
+        runs.iter().zip(&predictions).map(of_run).collect()
+    }
+}
+
+/// Whether a contact that begins its period away from where it would settle stays there for long, on a beam that slows it down by a factor.
+fn creeping(away: &Option<ContactHistory>, settled: &Option<ContactHistory>, slower: f64) -> bool {
+    let Some((away, settled)) = away.as_ref().zip(settled.as_ref()) else { return false };
+    away.creep.abs() <= CREEPS * slower * (away.deflection - settled.deflection).abs()
+}
+
+/// Where a parabola through values at −1, 0 and 1 is lowest; 0 where it is lowest nowhere.
+fn vertex([before, at, after]: [f64; 3]) -> f64 {
+    let bend = before + after - 2.0 * at;
+    if bend > 0.0 { 0.5 * (before - after) / bend } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use frettrace_friction::effects::ModifiedLaw;
+
+    /// `3(x − 0.4)² + 2` is lowest at 0.4; a line and a ridge are lowest nowhere.
+    #[test]
+    fn a_parabola_has_its_vertex() {
+        let at = |of: fn(f64) -> f64| vertex([of(-1.0), of(0.0), of(1.0)]);
+        assert!((at(|x| 3.0 * (x - 0.4) * (x - 0.4) + 2.0) - 0.4).abs() < 1e-14);
+        assert_eq!(at(|x| 2.0 * x), 0.0);
+        assert_eq!(at(|x| -x * x + x), 0.0);
+    }
+
+    /// A contact 0.01 from where it settles that loses 3 % of that in a period along its motion: on a stiff structure half of it is gone in 23
+    /// periods, on a beam with `R₀ P σ₀ = 24` in 580. One that sticks loses nothing.
+    #[test]
+    fn a_soft_beam_keeps_a_contact_from_settling() {
+        let at =
+            |deflection: f64, creep: f64| Some(ContactHistory { deflection, creep, ..Default::default() });
+        let settled = at(0.15, 0.0);
+        let away = at(0.16, -3e-4);
+        assert!(!creeping(&away, &settled, 1.0) && creeping(&away, &settled, 25.0));
+        assert!(creeping(&at(0.14, 0.0), &settled, 1.0));
+        // A contact that forgets within its period has settled, and where no balance closes nothing is known.
+        assert!(!creeping(&at(0.16, -0.01), &settled, 25.0));
+        assert!(!creeping(&None, &settled, 25.0) && !creeping(&away, &None, 25.0));
+    }
+
+    /// Only a bristle that is elastic up to its breakaway keeps what it came to, and only a modulated preload shows it.
+    #[test]
+    fn a_mean_that_is_kept_shows_under_a_modulated_preload() {
+        let mut setting = Setting::new(Vec::new(), Vec::new(), ModifiedLaw::dahl(1e5, 0.4), 1);
+        assert_eq!(breaks_away(&setting), None);
+        setting.law.set(Hook::ModulationCosine, 0.1);
+        assert_eq!(breaks_away(&setting), None);
+        setting.law.set(Hook::Breakaway, 0.25);
+        assert_eq!(breaks_away(&setting), Some(0.1));
+        setting.law.clear(Hook::ModulationCosine);
+        assert_eq!(breaks_away(&setting), None);
+    }
+}
