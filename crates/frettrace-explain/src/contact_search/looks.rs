@@ -14,8 +14,6 @@ const FIRST: usize = 1;
 const STARTS_OF_ONE: usize = 2;
 /// … so many.
 const GLANCE: usize = 2;
-/// Starts of the law from which forms are tried: those from which its fit without any form comes nearest in the first steps.
-const LAWS: usize = 3;
 /// Forms that are fitted further, and the steps after which the hopeless are left.
 const LOOK: usize = 8;
 const PART: usize = 10;
@@ -61,8 +59,9 @@ fn at_first(contacts: Contacts, softened: bool) -> Contacts {
 }
 
 impl Study<'_> {
-    /// The best forms on the recovered contacts, best first: a few steps for every form from every law on what is quick to march, all steps
-    /// on everything for the best. The first of these may be on softened lines; what all cost at their end is that of the lines as they are.
+    /// The best forms on the recovered contacts, best first: a few steps for every form from every law on what is quick to march (the law that
+    /// comes nearest without a form may lead nowhere with it), all steps on everything for the best. The first of these may be on softened
+    /// lines; what all cost at their end is that of the lines as they are.
     pub(super) fn looked(
         &self,
         (recovered, softened): (&Contacts, bool),
@@ -80,7 +79,6 @@ impl Study<'_> {
         // A bowl leads on for longer than a valley.
         let glance = if softened { BEGIN } else { GLANCE };
         let quick = at_first(recovered.quick(), softened);
-        let laws = self.nearest_starts(&quick, setting, law_unknowns, laws);
         let begun = |k: usize| -> Vec<(ContactCandidate, usize)> {
             let (index, form) = &forms[k];
             let from = |law: &ModifiedLaw<f64>| {
@@ -121,29 +119,6 @@ impl Study<'_> {
         let mut looked: Vec<(ContactCandidate, usize)> = part.into_par_iter().map(end).collect();
         looked.sort_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
         looked
-    }
-
-    /// The few starts of the law that lead nearest to the contacts without any form.
-    fn nearest_starts(
-        &self,
-        quick: &Contacts,
-        setting: &Setting,
-        law_unknowns: &[Unknown],
-        laws: &[ModifiedLaw<f64>],
-    ) -> Vec<ModifiedLaw<f64>> {
-        if laws.len() <= LAWS {
-            return laws.to_vec();
-        }
-        let plain = ContactForm::new(Vec::new());
-        let left = |law: &ModifiedLaw<f64>| {
-            let setting = Setting { law: *law, ..setting.clone() };
-            let form = (usize::MAX, &plain);
-            let found = self.contact_steps(quick, &setting, law_unknowns, form, (None, FIRST))?;
-            Some((found.criterion, *law))
-        };
-        let mut nearest: Vec<(f64, ModifiedLaw<f64>)> = laws.par_iter().filter_map(left).collect();
-        nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
-        nearest.into_iter().take(LAWS).map(|(_, law)| law).collect()
     }
 
     /// The best forms from other starts of the law: a law of many values that lacked an effect may have been bent too far to
