@@ -7,10 +7,11 @@
 //! loses a share `r` in a period; on the beam, which follows its mean force with the static compliance `R₀`, `r/(1 + R₀ P σ₀)`: what the
 //! bristle gives way the beam takes up, and a soft beam keeps a contact from settling for long.
 
-use super::{Predicted, Study};
+use super::{Fitted, Predicted, Study};
 use crate::search::Explained;
 use frettrace_forward::accelerations::{ContactHistory, Setting};
 use frettrace_friction::effects::Hook;
+use rayon::prelude::*;
 
 /// Turns of the deflections and of everything else.
 const TURNS: usize = 8;
@@ -55,38 +56,35 @@ impl Study<'_> {
 
     /// The values of a model with the deflections that its runs tell; `None` where none tells another one than it has.
     fn deflected(&self, model: &Explained) -> Option<Setting> {
-        let distance = breaks_away(&model.fitted.setting)?;
+        let breaks = breaks_away(&model.fitted.setting)?;
         let runs = self.all_runs();
+        let settled = Setting { deflections: Vec::new(), ..model.fitted.setting.clone() };
+        let settled: Vec<Option<ContactHistory>> =
+            runs.par_iter().map(|&run| self.contact_history(model, &settled, run)).collect();
         let mut setting = model.fitted.setting.clone();
-        let histories = |setting: &Setting| self.contact_histories(model, setting, &runs);
-        let settled = Setting { deflections: Vec::new(), ..setting.clone() };
-        let settled = histories(&settled);
-        let balances = self.model.balance(&setting, &runs).ok()?;
-        let sigma0 = setting.law.get(Hook::Sigma0).unwrap_or_default();
-        let follows = |k: usize, run: usize| {
-            1.0 + balances[k].slip_gain[0].re.abs() * self.model.runs[run].preload * sigma0
-        };
         setting.deflections.resize(self.model.runs.len(), None);
-        let mut left = self.chi_squared(model, &setting, &runs);
+        let left_by = |setting: &Setting| {
+            let tried =
+                Fitted { setting: setting.clone(), predicted: Predicted::default(), ..model.fitted.clone() };
+            self.chi_squared(&tried, &runs)
+        };
+        let mut left = left_by(&setting);
         let mut moved = false;
-        for distance in DISTANCES.map(|share| share * distance) {
-            let begins: Vec<f64> = (histories(&setting).iter())
-                .map(|history| history.as_ref().map_or(0.0, |history| history.deflection))
-                .collect();
+        for distance in DISTANCES.map(|share| share * breaks) {
             let away = |steps: &dyn Fn(usize) -> f64| {
                 let mut other = setting.clone();
                 for (k, &run) in runs.iter().enumerate() {
-                    other.deflections[run] = Some(begins[k] + steps(k) * distance);
+                    let own = setting.deflections[run].or(settled[k].as_ref().map(|one| one.deflection));
+                    other.deflections[run] = own.map(|own| own + steps(k) * distance);
                 }
-                let left = self.chi_squared(model, &other, &runs);
+                let left = left_by(&other);
                 (other, left)
             };
             let [(_, below), (_, above)] = [-1.0, 1.0].map(|step| away(&|_| step));
             let step = |k: usize| vertex([below[k], left[k], above[k]]).clamp(-FARTHEST, FARTHEST);
             let (other, found) = away(&step);
-            let creeps = histories(&other);
             for (k, &run) in runs.iter().enumerate() {
-                if found[k] + TELLS < left[k] && creeping(&creeps[k], &settled[k], follows(k, run)) {
+                if found[k] + TELLS < left[k] && self.stays(model, &other, (run, &settled[k])) {
                     setting.deflections[run] = other.deflections[run];
                     left[k] = found[k];
                     moved = true;
@@ -96,28 +94,23 @@ impl Study<'_> {
         moved.then_some(setting)
     }
 
-    /// What the contact does in some runs with other values than a fitted model has, from its motions; `None` where a balance does not close.
-    fn contact_histories(
+    /// Whether the contact of a run creeps so slowly from the deflection that a setting gives it that it stays away from where it would settle.
+    fn stays(
         &self,
         model: &Explained,
         setting: &Setting,
-        runs: &[usize],
-    ) -> Vec<Option<ContactHistory>> {
-        let mut memory = model.fitted.memory.clone();
-        runs.iter().map(|&run| self.model.contact(setting, run, &mut memory).ok()).collect()
+        (run, settled): (usize, &Option<ContactHistory>),
+    ) -> bool {
+        let Ok(balances) = self.model.balance(setting, &[run]) else { return false };
+        let sigma0 = setting.law.get(Hook::Sigma0).unwrap_or_default();
+        let give: f64 = balances.iter().map(|balance| balance.slip_gain[0].re.abs()).sum();
+        let slower = 1.0 + give * self.model.runs[run].preload * sigma0;
+        creeping(&self.contact_history(model, setting, run), settled, slower)
     }
 
-    /// χ² of each of some runs with other values than a fitted model has, from its motions.
-    fn chi_squared(&self, model: &Explained, setting: &Setting, runs: &[usize]) -> Vec<f64> {
-        let mut fitted = model.fitted.clone();
-        fitted.setting = setting.clone();
-        fitted.predicted = Predicted::default();
-        let predictions = self.predictions(&fitted, runs);
-        let of_run = |(&run, prediction): (&usize, &Option<_>)| {
-            let sensors = self.sensor_errors(run, prediction.as_ref());
-            sensors.iter().map(|one| one.count * one.error / one.floor).sum()
-        };
-        runs.iter().zip(&predictions).map(of_run).collect()
+    /// What the contact does in a run with other values than a fitted model has, from its motions; `None` where the balance does not close.
+    fn contact_history(&self, model: &Explained, setting: &Setting, run: usize) -> Option<ContactHistory> {
+        self.model.contact(setting, run, &mut model.fitted.memory.clone()).ok()
     }
 }
 
@@ -127,10 +120,10 @@ fn creeping(away: &Option<ContactHistory>, settled: &Option<ContactHistory>, slo
     away.creep.abs() <= CREEPS * slower * (away.deflection - settled.deflection).abs()
 }
 
-/// Where a parabola through values at −1, 0 and 1 is lowest; 0 where it is lowest nowhere.
+/// Where a parabola through values at −1, 0 and 1 is lowest; 0 where it is lowest nowhere, or where a value is without bound.
 fn vertex([before, at, after]: [f64; 3]) -> f64 {
     let bend = before + after - 2.0 * at;
-    if bend > 0.0 { 0.5 * (before - after) / bend } else { 0.0 }
+    if bend > 0.0 && bend.is_finite() { 0.5 * (before - after) / bend } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -145,6 +138,7 @@ mod tests {
         assert!((at(|x| 3.0 * (x - 0.4) * (x - 0.4) + 2.0) - 0.4).abs() < 1e-14);
         assert_eq!(at(|x| 2.0 * x), 0.0);
         assert_eq!(at(|x| -x * x + x), 0.0);
+        assert_eq!(vertex([f64::INFINITY, 1.0, 2.0]), 0.0);
     }
 
     /// A contact 0.01 from where it settles that loses 3 % of that in a period along its motion: on a stiff structure half of it is gone in 23

@@ -185,7 +185,15 @@ impl Study<'_> {
 
     /// What a model leaves on the lines of some runs; without bound where it cannot predict one.
     pub(crate) fn left_in(&self, fitted: &Fitted, runs: &[usize]) -> LeftLines {
-        let chi_squared = |(&run, prediction): (&usize, &Option<Prediction>)| {
+        LeftLines {
+            chi_squared: self.chi_squared(fitted, runs).iter().sum(),
+            count: self.residuals_of(runs) as f64,
+        }
+    }
+
+    /// χ² of the lines of each of some runs; without bound where a model cannot predict one.
+    pub(super) fn chi_squared(&self, fitted: &Fitted, runs: &[usize]) -> Vec<f64> {
+        let of_run = |(&run, prediction): (&usize, &Option<Prediction>)| {
             let lines = &self.model.runs[run];
             let measured = lines.acceleration.iter().flatten().zip(lines.deviation.iter().flatten());
             prediction.as_ref().map_or(f64::INFINITY, |predicted| {
@@ -193,11 +201,7 @@ impl Study<'_> {
                 pairs.map(|((at, std), predicted)| ((at - predicted) / std).norm_sqr()).sum()
             })
         };
-        let predictions = self.predictions(fitted, runs);
-        LeftLines {
-            chi_squared: runs.iter().zip(&predictions).map(chi_squared).sum(),
-            count: self.residuals_of(runs) as f64,
-        }
+        runs.iter().zip(&self.predictions(fitted, runs)).map(of_run).collect()
     }
 
     /// Error of the selected runs together.
