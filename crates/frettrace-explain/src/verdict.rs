@@ -296,7 +296,9 @@ impl Search<'_> {
                     self.rivals = Rival::of_better(&current, (&before, rivals));
                 }
             }
-            if current.complete() && !self.series_open(&current) {
+            // The balance of a rigid contact leaves as much of a right model, and no second name can be told in it.
+            let settled = current.complete() || current.fitted.setting.rigid && current.sufficient(baseline);
+            if settled && !self.series_open(&current) {
                 break;
             }
         }

@@ -180,7 +180,7 @@ fn a_phase_grid_is_doubted_by_what_it_leaves() {
     let (study, setting) = Study::new(&case, Split::First).unwrap();
     let fitted = study.fit(setting, &case.unknowns(), &study.model.memory(), 10).unwrap();
     let mut finer = study.refined().unwrap().unwrap();
-    finer.doubt_grid(&study, &fitted);
+    finer.doubt_grid(&fitted).unwrap();
     let finest = finer.refined().unwrap().unwrap();
     let runs = study.training.clone();
     let [now, next] = [&finer, &finest].map(|study| study.predictions(&fitted, &runs));

@@ -25,8 +25,9 @@ const QUICK: f64 = 1.0;
 /// taken up, one that yields, a support that rubs, a damping that a coarse grid bent, a bent reading whose mean hid a structure that was off; friction along the
 /// path with another formula, twice, in runs without a period that rest elsewhere, and a lag on its way that a film was ahead of; two contacts
 /// that snap, and a wear whose course the runs held out had to tell; modulations of the preload that the mean of a bristle carries, twice, and one without a
-/// line in the quietest run; a stop that only a run without a period reaches.
-const MENDED: [(u64, &str); 57] = [
+/// line in the quietest run; a stop that only a run without a period reaches, one whose gap was held to where recovered runs rest, a support whose
+/// curve four terms carry from where two have come to, and a wear that the fitted runs did not tell from an ageing.
+const MENDED: [(u64, &str); 60] = [
     (251, "clean 2 lugre rotation"),
     (251, "structure.quadratic-damping 1 hybrid transverse"),
     (251, "unlisted:structure/even-stiffness 1 dahl transverse"),
@@ -84,6 +85,9 @@ const MENDED: [(u64, &str); 57] = [
     (309, "excitation.preload-modulation/square 2 dahl rotation"),
     (310, "structure.second-support/round 2 hybrid transverse"),
     (311, "excitation.preload-modulation 2 hybrid transverse"),
+    (313, "structure.second-support 2 dahl transverse"),
+    (313, "contact.normal-stiffening/exponential 2 dahl rotation"),
+    (313, "friction.wear/settling 2 hybrid rotation"),
 ];
 
 fn run() -> anyhow::Result<Outcome> {

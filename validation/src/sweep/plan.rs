@@ -42,6 +42,9 @@ const DAHL: &[&str] = &["dahl"];
 const ELASTIC: &[&str] = &["dahl", "lugre"];
 const BRISTLE: &[&str] = &["dahl", "hybrid"];
 const FALLING: &[&str] = &["lugre", "hybrid"];
+const COULOMB: &[&str] = &["coulomb"];
+/// Set-valued at rest, so that the contact holds rigidly.
+const RIGID: &[&str] = &["coulomb", "stribeck"];
 
 const fn formula(name: &'static str, laws: &'static [&'static str]) -> Formula {
     Formula { name, laws, needs: Needs::Nothing }
@@ -125,6 +128,31 @@ const FORMULAS: &[Formula] = &[
     formula("unlisted:measurement/cross-talk", BRISTLE),
 ];
 
+/// The same on a contact that holds rigidly, where only its curve may be another.
+const RIGID_FORMULAS: &[Formula] = &[
+    formula("friction.stribeck", COULOMB),
+    formula("friction.viscous", COULOMB),
+    needing("contact.lift-off", COULOMB, Needs::Soft),
+    needing("contact.normal-stiffening", COULOMB, Needs::Soft),
+    formula("structure.cubic-stiffness", RIGID),
+    formula("structure.quadratic-damping", RIGID),
+    formula("structure.clamp-compliance", RIGID),
+    formula("structure.added-mass", RIGID),
+    formula("structure.second-support", RIGID),
+    formula("structure.frequency-drift", RIGID),
+    formula("excitation.preload-modulation", RIGID),
+    formula("excitation.base-motion", RIGID),
+    formula("measurement.gain", RIGID),
+    formula("measurement.delay", RIGID),
+    formula("measurement.hum", RIGID),
+    formula("measurement.clipping", RIGID),
+    formula("measurement.position", RIGID),
+    formula("measurement.dropout", RIGID),
+    formula("measurement.offset", RIGID),
+    formula("unlisted:structure/even-stiffness", COULOMB),
+    formula("unlisted:measurement/cross-talk", COULOMB),
+];
+
 /// Laws of the clean sets.
 const LAWS: [&str; 5] = ["dahl", "hybrid", "lugre", "coulomb", "stribeck"];
 
@@ -140,7 +168,7 @@ pub fn plan(seed: u64, clean: usize) -> Vec<Planned> {
 
 fn with_effects(seed: u64) -> Vec<Planned> {
     let mut sets = Vec::new();
-    for formula in FORMULAS {
+    for formula in FORMULAS.iter().chain(RIGID_FORMULAS) {
         for size in [1, 2] {
             for &law in formula.laws {
                 for slip in [RigSlip::Rotation, RigSlip::Transverse] {

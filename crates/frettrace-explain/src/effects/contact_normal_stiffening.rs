@@ -7,7 +7,7 @@
 //! *Mistaken for*: `contact.lift-off`, `friction.normal-dependence`; told apart by a load cell under the support, or two preloads.
 
 use super::{Effect, EffectPlace, FREE, StructureForm, with_port};
-use crate::{Case, Scales, signed};
+use crate::{Case, Scales, Unknown, signed};
 use frettrace_forward::accelerations::{COEFFICIENTS, Port, PortLaw, PortPlace, Quantity, Setting};
 
 pub(super) struct ContactNormalStiffening;
@@ -30,28 +30,39 @@ impl Effect for ContactNormalStiffening {
     }
 
     fn structure_forms(&self, case: &Case, setting: &Setting, scales: &Scales) -> Vec<StructureForm> {
-        let stiffness = case.rig.boundary.support_stiffness;
-        if !(stiffness > 0.0 && stiffness.is_finite()) {
-            return Vec::new();
-        }
+        let Some(stiffness) = stiffness(case) else { return Vec::new() };
         let port =
             Port { place: PortPlace::Support, law: PortLaw::Stiffening, coefficients: [0.0; COEFFICIENTS] };
         let (setting, index) = with_port(setting, port);
-        let depth = scales.preload / stiffness;
-        let coefficient = |k: usize| {
-            let degree = k as i32 + 2;
-            let size = 0.1 * stiffness * depth.powi(1 - degree);
-            signed(Quantity::Port(index, k), NAMES[k], size, FREE)
-        };
         // Two terms say what most supports do; four carry other curves.
         [2, 4]
             .map(|terms| StructureForm {
                 setting: setting.clone(),
-                unknowns: (0..terms).map(coefficient).collect(),
+                unknowns: coefficients(stiffness, index, scales).take(terms).collect(),
                 sensor: None,
             })
             .into()
     }
+
+    fn further_terms(&self, case: &Case, setting: &Setting, scales: &Scales) -> Vec<Unknown> {
+        let index = setting.ports.iter().rposition(|port| port.law == PortLaw::Stiffening);
+        let Some((index, stiffness)) = index.zip(stiffness(case)) else { return Vec::new() };
+        coefficients(stiffness, index, scales).collect()
+    }
+}
+
+/// Stiffness of the support (N/m) where it is one that can stiffen.
+fn stiffness(case: &Case) -> Option<f64> {
+    Some(case.rig.boundary.support_stiffness).filter(|stiffness| *stiffness > 0.0 && stiffness.is_finite())
+}
+
+/// The coefficients of a stiffening port, each of the size that changes the support's force at the preload by a tenth.
+fn coefficients(stiffness: f64, index: usize, scales: &Scales) -> impl Iterator<Item = Unknown> + use<> {
+    let depth = scales.preload / stiffness;
+    NAMES.into_iter().enumerate().map(move |(k, name)| {
+        let size = 0.1 * stiffness * depth.powi(-1 - k as i32);
+        signed(Quantity::Port(index, k), name, size, FREE)
+    })
 }
 
 /// Coefficients of the second to the fifth power of the displacement.
@@ -61,3 +72,25 @@ const NAMES: [(&str, &str); COEFFICIENTS] = [
     ("support_quartic", "N/m^4"),
     ("support_quintic", "N/m^5"),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use frettrace_identify::Transform;
+
+    /// A term whose coefficient has its size changes the force at the depth that the preload presses the support to, `P/k`, by `P/10`: the force of
+    /// `c dⁿ` is linear in `c`.
+    #[test]
+    fn a_term_of_its_size_changes_the_preload_by_a_tenth() {
+        let (stiffness, preload) = (2.0e4, 40.0);
+        let scales = Scales { preload, ..Scales::default() };
+        let depth = preload / stiffness;
+        for (k, unknown) in coefficients(stiffness, 0, &scales).enumerate() {
+            let Transform::Linear { scale } = unknown.parameter.transform else { panic!("a signed value") };
+            let mut coefficients = [0.0; COEFFICIENTS];
+            coefficients[k] = scale;
+            let force = PortLaw::Stiffening.force(&coefficients, depth, 0.0).force;
+            assert!((force / (0.1 * preload) - 1.0).abs() < 1e-12, "term {k}: {force}");
+        }
+    }
+}

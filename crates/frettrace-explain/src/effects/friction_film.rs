@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `friction.lag`, `friction.stribeck`; told apart by a pause before each run: a film that has collapsed gives the first cycles more friction.
 
-use super::{Change, ContactForm, Effect, EffectPlace, Reach, Simpler, forgets, known};
+use super::{Change, ContactForm, Effect, EffectPlace, Simpler, known};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 
@@ -92,8 +92,8 @@ impl Effect for FrictionFilm {
         vec![Simpler { id: "friction.stribeck", law, changes }]
     }
 
-    fn is_idle(&self, law: &ModifiedLaw<f64>, reach: Reach) -> bool {
-        forgets(law, &[Hook::FilmRise, Hook::FilmFall], reach.step)
+    fn memories(&self) -> &'static [Hook] {
+        &[Hook::FilmRise, Hook::FilmFall]
     }
 }
 
@@ -110,6 +110,7 @@ const OWN: [Hook; 6] = [
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effects::Reach;
     use frettrace_friction::Step;
     use frettrace_friction::effects::Circumstance;
 

@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `friction.film`, `friction.stribeck`; told apart by the same level at two excitation frequencies: the loop opens with frequency where friction lags.
 
-use super::{Change, ContactForm, Effect, EffectPlace, Reach, forgets, known};
+use super::{Change, ContactForm, Effect, EffectPlace, known};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 
@@ -67,7 +67,7 @@ impl Effect for FrictionLag {
         ]
     }
 
-    fn is_idle(&self, law: &ModifiedLaw<f64>, reach: Reach) -> bool {
-        forgets(law, &[Hook::LagTime, Hook::SpeedLag, Hook::VelocityLag], reach.step)
+    fn memories(&self) -> &'static [Hook] {
+        &[Hook::LagTime, Hook::SpeedLag, Hook::VelocityLag]
     }
 }

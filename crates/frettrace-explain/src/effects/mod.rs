@@ -208,14 +208,24 @@ pub(crate) trait Effect: Sync {
         Vec::new()
     }
 
+    /// Further values of the shape of what it adds to the structure, which is in `setting` already.
+    fn further_terms(&self, _case: &Case, _setting: &Setting, _scales: &Scales) -> Vec<Unknown> {
+        Vec::new()
+    }
+
     /// Simpler effects that come near to this one as it was fitted: what it found is where they may begin.
     fn simpler(&self, _law: &ModifiedLaw<f64>) -> Vec<Simpler> {
         Vec::new()
     }
 
+    /// Times of its memory: without one it is a simpler effect that it contains.
+    fn memories(&self) -> &'static [Hook] {
+        &[]
+    }
+
     /// Whether a fitted law has this effect without what tells it from the simpler ones that it contains.
-    fn is_idle(&self, _law: &ModifiedLaw<f64>, _reach: Reach) -> bool {
-        false
+    fn is_idle(&self, law: &ModifiedLaw<f64>, reach: Reach) -> bool {
+        forgets(law, self.memories(), reach.step)
     }
 
     /// Whether what it names is one formula: then what its forms leave is something else.

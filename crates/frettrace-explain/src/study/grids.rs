@@ -75,10 +75,14 @@ impl Study<'_> {
     }
 
     /// Counts the error of the phase grid among the deviations of the lines. Twice the lines of force divide it by about three, so
-    /// that this grid leaves half of what parts its predictions from those of the `coarser` one.
-    pub fn doubt_grid(&mut self, coarser: &Self, fitted: &Fitted) {
+    /// that a grid leaves half of what parts its predictions from those on one with half of its lines.
+    ///
+    /// # Errors
+    /// [`ExplainError::Model`] where the coarser grid cannot carry the lines.
+    pub fn doubt_grid(&mut self, fitted: &Fitted) -> Result<(), ExplainError> {
         let all = self.all_runs();
-        let [before, now] = [coarser, &*self].map(|study| study.predictions(fitted, &all));
+        let coarser = self.halved()?;
+        let [before, now] = [&coarser, &*self].map(|study| study.predictions(fitted, &all));
         for ((&run, before), now) in all.iter().zip(before).zip(now) {
             let (Some(before), Some(now)) = (before, now) else { continue };
             let known = &self.case.records[run].lines.deviation;
@@ -89,6 +93,18 @@ impl Study<'_> {
                 }
             }
         }
+        Ok(())
+    }
+
+    /// The same study with half the lines of contact force in every run: a run that has the most lines that a balance gets is on the grid
+    /// it was on before the others were refined.
+    fn halved(&self) -> Result<Self, ExplainError> {
+        let mut runs = self.model.runs.clone();
+        for run in &mut runs {
+            run.contact_order /= 2;
+            run.samples /= 2;
+        }
+        Ok(self.of_model(self.model.with_runs(runs)?))
     }
 
     fn of_model(&self, model: AccelerationModel) -> Self {

@@ -10,7 +10,7 @@ use super::rules::is_followed;
 use super::{CONTRADICTED, EVIDENCE, FORETOLD, Rival, Search};
 use crate::effects::ALL;
 use crate::left::LeftLines;
-use crate::search::Explained;
+use crate::search::{COMPLETE, Explained, excess};
 use crate::{Case, ExplainError, Split, Study};
 
 /// Growth of the error from fitted runs to those held out from which what is lacking lies in these.
@@ -59,6 +59,18 @@ pub(super) fn answer(case: &Case) -> Result<(Outcome, Study<'_>), ExplainError> 
             found.held_out_ratio()
         ));
         found = Found::by(case, split)?;
+    }
+    if split == Split::First && found.is_ambiguous() {
+        let ratio = found.held_out_ratio();
+        if let Ok(other) = Found::by(case, Split::Second)
+            && other.foretells_as_one()
+        {
+            missed.push(format!(
+                "{} missed the runs held out by {ratio:.2} times the noise, and others follow the fitted ones as well: these are among the fitted ones now, and others are held out",
+                ALL[found.model.effects[0]].id()
+            ));
+            (found, split) = (other, Split::Second);
+        }
     }
     if let Some(name) = found.doubtful() {
         let mut other = case.clone();
@@ -188,6 +200,20 @@ impl<'a> Found<'a> {
         }
         let before = self.search.study.error(&self.baseline.fitted, &self.search.study.held_out).ratio();
         self.model.complete() && after > CONTRADICTED && !is_followed(before, after)
+    }
+
+    /// Whether runs held out hold more than the noise beside a single name, and a rival of it follows the fitted runs as well.
+    fn is_ambiguous(&self) -> bool {
+        let follows = |rival: &Rival| rival.excess <= excess(COMPLETE);
+        self.model.effects.len() == 1
+            && self.model.complete()
+            && self.held_out_ratio() > FORETOLD
+            && self.search.rivals.iter().any(follows)
+    }
+
+    /// Whether a single name foretells the runs held out.
+    fn foretells_as_one(&self) -> bool {
+        self.model.effects.len() == 1 && self.model.complete() && self.held_out_ratio() <= FORETOLD
     }
 
     /// The only name of a model that leaves more than the noise. One that every rival leaves ten times as much as is in no doubt.

@@ -5,6 +5,9 @@ use super::{EVIDENCE, Rival, Search, Tried};
 use crate::Study;
 use crate::effects::{ALL, Reach, Simpler};
 use crate::search::Explained;
+use frettrace_forward::accelerations::Quantity;
+use frettrace_friction::effects::Hook;
+use frettrace_identify::HALF_INTERVAL95;
 use rayon::prelude::*;
 
 /// Excess over the best one's up to which a model that is not fitted to its end may still overtake it.
@@ -43,12 +46,18 @@ impl Search<'_> {
         let best = *weights.first()?;
         // A richer effect that contains a simpler one must earn its name against it.
         let earned = EVIDENCE.max(EARNED * (current.criterion - found[0].criterion));
-        let simpler = found.iter().zip(&weights).position(|(one, weight)| {
-            (*weight < best + earned || self.is_idle(&found[0]))
-                && one.complete() == found[0].complete()
-                && one.effects.last().is_some_and(|&e| contained(found[0].effects.last(), e))
-        });
-        let chosen = simpler.unwrap_or(0);
+        let simpler = |rich: &Explained| {
+            let idle = self.is_idle(rich);
+            found.iter().zip(&weights).position(|(one, weight)| {
+                (*weight < best + earned || idle)
+                    && one.complete() == rich.complete()
+                    && one.effects.last().is_some_and(|&e| contained(rich.effects.last(), e))
+            })
+        };
+        let mut chosen = 0;
+        while let Some(next) = simpler(&found[chosen]) {
+            chosen = next;
+        }
         // What a richer effect has of its own, idle, makes it the chosen one under another name, and no rival.
         self.rivals = found
             .iter()
@@ -78,10 +87,22 @@ impl Search<'_> {
         one.criterion + self.study.foretold(&one.fitted)
     }
 
-    /// Whether the last effect of a model is one that another, simpler one, would be too.
+    /// Whether the last effect of a model is one that another, simpler one, would be too: nothing of its own could be seen, or all of its memory is
+    /// nothing within its deviation.
     fn is_idle(&self, model: &Explained) -> bool {
         let (law, reach) = (&model.fitted.setting.law, self.reach());
-        model.effects.last().is_some_and(|&effect| ALL[effect].is_idle(law, reach))
+        let forgotten = |effect: usize| {
+            let known = |hook: &&Hook| law.get(**hook).is_some();
+            let mut times = ALL[effect].memories().iter().filter(known).peekable();
+            if times.peek().is_none() {
+                return false;
+            }
+            let mut doubted = model.clone();
+            self.study.doubt_values(&mut doubted);
+            let deviation = |&hook: &Hook| doubted.deviation(Quantity::Law(hook));
+            times.all(|hook| law.get(*hook).is_some_and(|time| time <= HALF_INTERVAL95 * deviation(hook)))
+        };
+        model.effects.last().is_some_and(|&effect| ALL[effect].is_idle(law, reach) || forgotten(effect))
     }
 
     /// What the fitted runs reach.
@@ -189,7 +210,7 @@ impl Search<'_> {
 }
 
 /// Whether the effect `of` becomes the effect `simpler` at some value of its parameters.
-fn contained(of: Option<&usize>, simpler: usize) -> bool {
+pub(super) fn contained(of: Option<&usize>, simpler: usize) -> bool {
     let of = of.map_or("", |&e| ALL[e].id());
     CONTAINED.iter().any(|(rich, plain)| *rich == of && *plain == ALL[simpler].id())
 }

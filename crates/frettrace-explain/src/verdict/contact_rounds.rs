@@ -36,7 +36,9 @@ impl Search<'_> {
         let mut found = self.study.whole(setting, &unknowns, named, 15).ok()?;
         found.sensors.clone_from(&current.sensors);
         found.counts.clone_from(&current.counts);
-        (found.criterion + EVIDENCE < current.criterion).then_some(found)
+        // Where the error of a grid counts among the deviations, a model far from the data has less of a criterion.
+        let nearer = found.criterion + EVIDENCE < current.criterion && found.ratio <= current.ratio;
+        nearer.then_some(found)
     }
 
     /// The structure of a model as it was declared, calibrated on the balance where it is loosely known: what the fit of the whole rig

@@ -1,16 +1,16 @@
 //! Fits to their end: further steps, finer phase grids, the further values of a shape.
 
 use super::{BORNE_OUT, EVIDENCE, Search};
-use crate::Study;
-use crate::effects::shaped;
+use crate::effects::{ALL, shaped};
 use crate::left::LeftLines;
 use crate::search::{Explained, excess};
+use crate::{Study, Unknown};
 use frettrace_forward::accelerations::Setting;
 
 /// A model nearer to the noise than this is fitted further, and on a finer grid, before it is judged.
 pub(super) const NEAR: f64 = 6.0;
 /// … and so is one that leaves no more than this share of the excess before it.
-const MOST_TAKEN: f64 = 0.05;
+pub(super) const MOST_TAKEN: f64 = 0.05;
 /// Finer grids, each twice as fine as the one before, that a model may get, and that one with a rigid contact may.
 const MOST_REFINED: usize = 2;
 const MOST_REFINED_RIGID: usize = 3;
@@ -51,13 +51,18 @@ impl Search<'_> {
             let Ok(Some(mut study)) = finer else { break };
             match on_finer(&study, &current) {
                 Some(mut better) if better.excess() < FINER * current.excess() => {
-                    if kinked && let Some(doubted) = doubting(&mut study, &self.study, &better) {
+                    if kinked && let Some(doubted) = doubting(&mut study, &better) {
                         better = doubted;
                     }
                     let coarser = (std::mem::replace(&mut self.study, study), self.refined);
                     self.coarse.get_or_insert(coarser);
                     self.refined += 1;
+                    let elsewhere = better.ratio > NEAR && better.excess() > AT_REST * current.excess();
                     current = better;
+                    // What is far from the data and falls more slowly than the error of a grid is something else.
+                    if elsewhere {
+                        break;
+                    }
                 }
                 _ => break,
             }
@@ -142,8 +147,11 @@ impl Study<'_> {
     pub(super) fn with_shape(&self, current: &Explained) -> Option<Explained> {
         let &effect = current.effects.last()?;
         let mut richer = current.clone();
-        let law = &mut richer.fitted.setting.law;
-        let brought = shaped(effect, law, &current.added, &self.scales);
+        let setting = &mut richer.fitted.setting;
+        let terms = ALL[effect].further_terms(self.case, setting, &self.scales);
+        let is_new = |unknown: &Unknown| current.added.iter().all(|u| u.quantity != unknown.quantity);
+        let mut brought = shaped(effect, &mut setting.law, &current.added, &self.scales);
+        brought.extend(terms.into_iter().filter(is_new));
         if brought.is_empty() {
             return None;
         }
@@ -179,10 +187,10 @@ fn on_finer(study: &Study<'_>, current: &Explained) -> Option<Explained> {
 /// A model of a rigid contact fitted with the error of the phase grid among the deviations of the lines: the structure is no longer bent to
 /// what the grid cuts short. `None`, and nothing doubted, where that leads away from the data: far from the right law the two grids
 /// are apart for other reasons.
-fn doubting<'a>(study: &mut Study<'a>, coarser: &Study<'a>, model: &Explained) -> Option<Explained> {
+fn doubting(study: &mut Study<'_>, model: &Explained) -> Option<Explained> {
     let known: Vec<_> = study.model.runs.iter().map(|run| run.deviation.clone()).collect();
-    study.doubt_grid(coarser, &model.fitted);
-    let found = study.polished(model).ok();
+    let doubted = study.doubt_grid(&model.fitted);
+    let found = doubted.and_then(|()| study.polished(model)).ok();
     // One that is complete on this grid is cut short by nothing, and one that is far from the noise of all samples does not bear it out.
     let borne_out = |found: &Explained| found.ratio <= BORNE_OUT && found.left().is_noise();
     let meets = |found: &Explained| found.complete() || !model.complete() && borne_out(found);

@@ -1,5 +1,6 @@
 //! What is said in the end: verdict, names, place, errors and what a reader must know.
 
+use super::choice::contained;
 use super::finer::RIGID_ACCURACY;
 use super::rules::{
     helps, is_as_near, is_followed, may_be, stays_with_contact, stays_with_sensor, takes_all,
@@ -273,12 +274,19 @@ impl Search<'_> {
     fn stands_in(&mut self, model: &mut Explained) -> bool {
         let (law, reach) = (model.fitted.setting.law, self.reach());
         let mut nameless = None;
-        for effect in model.effects.iter_mut().filter(|effect| ALL[**effect].is_idle(&law, reach)) {
-            let simpler = ALL[*effect].simpler(&law);
-            let named = simpler.iter().find(|simpler| self.study.case.allows(simpler.id));
-            match named.and_then(|simpler| listed(simpler.id)) {
-                Some(other) => *effect = other,
-                None => nameless = Some(ALL[*effect].id()),
+        for place in 0..model.effects.len() {
+            let effect = model.effects[place];
+            if !ALL[effect].is_idle(&law, reach) {
+                continue;
+            }
+            // What brought its own curve with a memory is the curve without one.
+            let has_curve = model.own(place).iter().any(|u| u.quantity == Quantity::Law(Hook::StribeckRise));
+            let curve = has_curve.then_some("friction.stribeck");
+            let simpler = ALL[effect].simpler(&law).into_iter().map(|simpler| simpler.id).chain(curve);
+            let mut named = simpler.filter(|id| self.study.case.allows(id)).filter_map(listed);
+            match named.find(|&other| contained(Some(&effect), other)) {
+                Some(other) => model.effects[place] = other,
+                None => nameless = Some(ALL[effect].id()),
             }
         }
         if let Some(id) = nameless {

@@ -1,6 +1,6 @@
 //! One effect more outside the contact.
 
-use super::finer::NEAR;
+use super::finer::{MOST_TAKEN, NEAR};
 use super::rules::helps;
 use super::{BALANCE_CALIBRATED, BALANCE_CLOSED, EVIDENCE, PROXY, Rival, Search, Tried};
 use crate::balance_fit::BalanceCandidate;
@@ -313,10 +313,11 @@ impl Search<'_> {
         Ok(self.take_best(current, found))
     }
 
-    /// A model with a stop in which runs rest elsewhere, these and everything else in turns.
-    fn rested(&self, mut found: Explained) -> Explained {
+    /// A model with a stop in which runs rest elsewhere, these and everything else in turns; `lacked` is the excess before it.
+    fn rested(&self, mut found: Explained, lacked: f64) -> Explained {
         // Far from the data it is not where runs rest that the model misses.
-        if found.fitted.setting.rests.1.is_empty() || found.ratio > NEAR {
+        let far = found.ratio > NEAR && found.excess() > MOST_TAKEN * lacked;
+        if found.fitted.setting.rests.1.is_empty() || far {
             return found;
         }
         for _ in 0..REST_ROUNDS {
@@ -328,7 +329,23 @@ impl Search<'_> {
                 _ => break,
             }
         }
-        found
+        if found.complete() {
+            return found;
+        }
+        self.of_own_mean(&found).filter(|own| own.criterion < found.criterion).unwrap_or(found)
+    }
+
+    /// The same with the mean that the law itself gives every run, and the gap free: where runs rest was read off forces recovered beside a
+    /// contact, and a fit holds to it.
+    fn of_own_mean(&self, found: &Explained) -> Option<Explained> {
+        let mut other = found.clone();
+        let setting = &mut other.fitted.setting;
+        setting.rests.1.clear();
+        let port = setting.ports.pop()?;
+        let form = self.study.form(setting, port, (&[1], thresholds(&[], port.law)));
+        setting.ports.push(port);
+        other.added.extend(form.unknowns.into_iter().filter(|u| matches!(u.quantity, Quantity::Port(..))));
+        self.study.polished(&other).ok()
     }
 
     fn asked(&self, current: &Explained, candidate: &BalanceCandidate) -> Asked {
@@ -363,7 +380,16 @@ impl Search<'_> {
         let mut effects = current.effects.clone();
         effects.push(candidate.effect);
         let start = (setting.clone(), effects.clone(), added.clone());
-        let mut found = self.study.whole(setting, &unknowns, (effects, added), 12)?;
+        let cold = self.study.whole(setting, &unknowns, (effects, added), 12);
+        // Where a run has no answer from rest, it may have one beside that of the model without the effect.
+        let mut found = cold.or_else(|unsolved| {
+            let laws = [start.0.law, current.fitted.setting.law].into_iter();
+            let fitted = laws.map(|law| Setting { law, ..start.0.clone() }).find_map(|setting| {
+                self.study.fit(setting, &unknowns, &current.fitted.memory, TOGETHER).ok()
+            });
+            let (_, effects, added) = start.clone();
+            fitted.map(|fitted| self.study.judged(fitted, effects, added)).ok_or(unsolved)
+        })?;
         // Where the balance closes and a law meets its contacts, a fit that ends far from the data has bent the law to what a resonance makes of
         // the rest of the structure's error: law and structure go together from the start.
         if met && candidate.reduced < BALANCE_CLOSED && found.ratio > NEAR {
@@ -373,7 +399,8 @@ impl Search<'_> {
                 found = if other.criterion < found.criterion { other } else { found };
             }
         }
-        let mut found = self.rested(found);
+        let found = self.rested(found, current.excess());
+        let mut found = if found.complete() { found } else { self.study.with_shape(&found).unwrap_or(found) };
         found.sensors = current.sensors.iter().copied().chain([candidate.sensor]).collect();
         Ok(found)
     }

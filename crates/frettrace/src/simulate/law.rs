@@ -1,4 +1,5 @@
-//! The true law: the declared one, or the same bristle with effects in it.
+//! The true law: the declared one, or the same with effects in it: a bristle with hooks, or, where friction holds rigidly and its curve alone is
+//! another, the rigid law that has the curve.
 
 use std::f64::consts::TAU;
 
@@ -6,7 +7,7 @@ use frettrace_forward::simulate::SimulatedLaw;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 
 use crate::StudyError;
-use crate::rig::{Effect, Rig, declared_law};
+use crate::rig::{Effect, Rig, RigSupport, declared_law};
 
 /// The law that acts.
 pub(super) fn true_law(rig: &Rig) -> Result<SimulatedLaw, StudyError> {
@@ -14,20 +15,52 @@ pub(super) fn true_law(rig: &Rig) -> Result<SimulatedLaw, StudyError> {
         return Ok(SimulatedLaw::Foreign(law));
     }
     let Some(first) = rig.effects.iter().find(|effect| !hooks(rig, effect).is_empty()) else {
-        let model = declared_law(&rig.support).map_err(|problem| StudyError::RigValue {
-            path: std::path::PathBuf::new(),
-            place: problem.place,
-            found: problem.found,
-            allowed: problem.allowed,
-        })?;
-        return Ok(SimulatedLaw::Declared(model));
+        return declared(&rig.support);
     };
+    if let Some(support) = rigid(rig) {
+        return declared(&support);
+    }
     let mut law = bristle(rig)
         .ok_or_else(|| StudyError::EffectOnLaw { effect: first.id(), law: rig.support.law.clone() })?;
     for (hook, value) in rig.effects.iter().flat_map(|effect| hooks(rig, effect)) {
         law.set(hook, value);
     }
     Ok(SimulatedLaw::Modified(law))
+}
+
+fn declared(support: &RigSupport) -> Result<SimulatedLaw, StudyError> {
+    let model = declared_law(support).map_err(|problem| StudyError::RigValue {
+        path: std::path::PathBuf::new(),
+        place: problem.place,
+        found: problem.found,
+        allowed: problem.allowed,
+    })?;
+    Ok(SimulatedLaw::Declared(model))
+}
+
+/// Rigid friction with the curve that effects give it, as the law of Stribeck; `None` for another law, or where an effect asks for more than a curve.
+fn rigid(rig: &Rig) -> Option<RigSupport> {
+    let mut support = rig.support.clone();
+    if !["coulomb", "stribeck"].contains(&support.law.as_str()) {
+        return None;
+    }
+    let mu_k = *support.parameters.get("mu_k")?;
+    // Friction that does not fall with velocity: any velocity and exponent say the same.
+    for (key, value) in [("mu_s", mu_k), ("v_s_m_per_s", 1.0), ("delta", 1.0), ("sigma2_n_s_per_m", 0.0)] {
+        support.parameters.entry(key.to_owned()).or_insert(value);
+    }
+    for (hook, value) in rig.effects.iter().flat_map(|effect| hooks(rig, effect)) {
+        let (key, value) = match hook {
+            Hook::StribeckRise => ("mu_s", mu_k + value),
+            Hook::StribeckVelocity => ("v_s_m_per_s", value),
+            Hook::StribeckExponent => ("delta", value),
+            Hook::Viscous => ("sigma2_n_s_per_m", value),
+            _ => return None,
+        };
+        support.parameters.insert(key.to_owned(), value);
+    }
+    "stribeck".clone_into(&mut support.law);
+    Some(support)
 }
 
 /// The declared law as a bristle with hooks.

@@ -193,6 +193,26 @@ fn steps_follow_the_noise() {
     );
 }
 
+/// Rigid friction with a curve is the law of Stribeck, whoever declares it: the same march, to the last bit.
+#[test]
+fn rigid_friction_may_have_a_curve_that_nobody_declares() {
+    let made = |text: &str| {
+        let mut made =
+            simulate(&parse_rig(text, Path::new("RIG.toml")).unwrap(), &Progress::silent()).unwrap();
+        (made.measurement.support.law, made.measurement.runs.remove(0).acceleration)
+    };
+    let curve = "[[effect]]\nid = \"friction.stribeck\"\nmu_s = 0.4\nv_s_m_per_s = 0.01\ndelta = 2.0\n";
+    let viscous = "[[effect]]\nid = \"friction.viscous\"\nsigma2_n_s_per_m = 5.0\n";
+    let (law, found) = made(&format!("{}\n{curve}{viscous}", coulomb()));
+    assert_eq!(law, made(&coulomb()).0);
+    let own = "mu_s = 0.4\nv_s_m_per_s = 0.01\ndelta = 2.0\nsigma2_n_s_per_m = 5.0\nmu_k =";
+    let declared = coulomb().replace("law = \"coulomb\"", "law = \"stribeck\"").replace("mu_k =", own);
+    let (declared, expected) = made(&declared);
+    assert_ne!(law, declared);
+    assert_eq!(found, expected);
+    assert_ne!(found, made(&coulomb()).1);
+}
+
 #[test]
 fn a_friction_effect_needs_a_bristle() {
     let coulomb = coulomb();

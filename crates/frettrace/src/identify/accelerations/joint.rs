@@ -118,8 +118,7 @@ fn refined(study: &mut Study<'_>, mut fitted: Fitted) -> Fitted {
         let found = finer.fit(fitted.setting.clone(), &fitted.unknowns, &finer.model.memory(), POLISH);
         let Some(found) = found.ok().filter(|found| found.fit.cost < fitted.fit.cost) else { break };
         fitted = found;
-        if rigid {
-            finer.doubt_grid(study, &fitted);
+        if rigid && finer.doubt_grid(&fitted).is_ok() {
             let doubted = finer.fit(fitted.setting.clone(), &fitted.unknowns, &fitted.memory, POLISH);
             fitted = doubted.unwrap_or(fitted);
         }
