@@ -94,7 +94,8 @@ impl Search<'_> {
         let forgotten = |effect: usize| {
             let known = |hook: &&Hook| law.get(**hook).is_some();
             let mut times = ALL[effect].memories().iter().filter(known).peekable();
-            if times.peek().is_none() {
+            // The deviations of a model that misses the data say nothing.
+            if times.peek().is_none() || !model.complete() {
                 return false;
             }
             let mut doubted = model.clone();

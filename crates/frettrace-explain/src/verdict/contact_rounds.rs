@@ -36,8 +36,9 @@ impl Search<'_> {
         let mut found = self.study.whole(setting, &unknowns, named, 15).ok()?;
         found.sensors.clone_from(&current.sensors);
         found.counts.clone_from(&current.counts);
-        // Where the error of a grid counts among the deviations, a model far from the data has less of a criterion.
-        let nearer = found.criterion + EVIDENCE < current.criterion && found.ratio <= current.ratio;
+        // Where the error of a rigid contact's grid counts among the deviations, a model far from the data has less of a criterion.
+        let misled = current.fitted.setting.rigid && found.ratio > current.ratio;
+        let nearer = found.criterion + EVIDENCE < current.criterion && !misled;
         nearer.then_some(found)
     }
 

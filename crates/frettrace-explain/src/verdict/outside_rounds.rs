@@ -381,8 +381,11 @@ impl Search<'_> {
         effects.push(candidate.effect);
         let start = (setting.clone(), effects.clone(), added.clone());
         let cold = self.study.whole(setting, &unknowns, (effects, added), 12);
-        // Where a run has no answer from rest, it may have one beside that of the model without the effect.
+        // Where a run of a rigid contact has no answer from rest, it may have one beside that of the model without the effect.
         let mut found = cold.or_else(|unsolved| {
+            if !current.fitted.setting.rigid {
+                return Err(unsolved);
+            }
             let laws = [start.0.law, current.fitted.setting.law].into_iter();
             let fitted = laws.map(|law| Setting { law, ..start.0.clone() }).find_map(|setting| {
                 self.study.fit(setting, &unknowns, &current.fitted.memory, TOGETHER).ok()
