@@ -1,6 +1,6 @@
 //! The plan: which sets a sweep has, from its seed alone.
 
-use super::rigs::{Choice, Modes};
+use super::rigs::{Choice, Modes, RIGID};
 use frettrace::rig::RigSlip;
 
 /// A planned set.
@@ -43,8 +43,6 @@ const ELASTIC: &[&str] = &["dahl", "lugre"];
 const BRISTLE: &[&str] = &["dahl", "hybrid"];
 const FALLING: &[&str] = &["lugre", "hybrid"];
 const COULOMB: &[&str] = &["coulomb"];
-/// Set-valued at rest, so that the contact holds rigidly.
-const RIGID: &[&str] = &["coulomb", "stribeck"];
 
 const fn formula(name: &'static str, laws: &'static [&'static str]) -> Formula {
     Formula { name, laws, needs: Needs::Nothing }

@@ -12,6 +12,9 @@ use rand::{Rng, RngExt};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
+/// Laws that are set-valued at rest, so that the contact holds rigidly.
+pub(super) const RIGID: &[&str] = &["coulomb", "stribeck"];
+
 /// What of a rig is chosen and not drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
@@ -94,7 +97,7 @@ pub fn draw(random: &mut impl Rng, choice: &Choice) -> anyhow::Result<Drawn> {
     let friction = if turns { mu_k * preload * lever / length } else { mu_k * preload };
     let sampling = sampling(random, frequency);
     let mut parameters = BTreeMap::from([("mu_k".to_owned(), mu_k)]);
-    if !["coulomb", "stribeck"].contains(&choice.law) {
+    if !RIGID.contains(&choice.law) {
         parameters.insert("sigma0_per_m".to_owned(), tangential / preload);
     }
     let support = RigSupport {

@@ -63,7 +63,8 @@ pub(super) fn answer(case: &Case) -> Result<(Outcome, Study<'_>), ExplainError> 
     if split == Split::First && found.is_ambiguous() {
         let ratio = found.held_out_ratio();
         if let Ok(other) = Found::by(case, Split::Second)
-            && other.foretells_as_one()
+            && other.is_single()
+            && other.held_out_ratio() <= FORETOLD
         {
             missed.push(format!(
                 "{} missed the runs held out by {ratio:.2} times the noise, and others follow the fitted ones as well: these are among the fitted ones now, and others are held out",
@@ -205,15 +206,12 @@ impl<'a> Found<'a> {
     /// Whether runs held out hold more than the noise beside a single name, and a rival of it follows the fitted runs as well.
     fn is_ambiguous(&self) -> bool {
         let follows = |rival: &Rival| rival.excess <= excess(COMPLETE);
-        self.model.effects.len() == 1
-            && self.model.complete()
-            && self.held_out_ratio() > FORETOLD
-            && self.search.rivals.iter().any(follows)
+        self.is_single() && self.held_out_ratio() > FORETOLD && self.search.rivals.iter().any(follows)
     }
 
-    /// Whether a single name foretells the runs held out.
-    fn foretells_as_one(&self) -> bool {
-        self.model.effects.len() == 1 && self.model.complete() && self.held_out_ratio() <= FORETOLD
+    /// Whether a single name leaves no more than the noise in the fitted runs.
+    fn is_single(&self) -> bool {
+        self.model.effects.len() == 1 && self.model.complete()
     }
 
     /// The only name of a model that leaves more than the noise. One that every rival leaves ten times as much as is in no doubt.

@@ -47,11 +47,10 @@ impl Search<'_> {
         // A richer effect that contains a simpler one must earn its name against it.
         let earned = EVIDENCE.max(EARNED * (current.criterion - found[0].criterion));
         let simpler = |rich: &Explained| {
-            let idle = self.is_idle(rich);
             found.iter().zip(&weights).position(|(one, weight)| {
-                (*weight < best + earned || idle)
-                    && one.complete() == rich.complete()
+                one.complete() == rich.complete()
                     && one.effects.last().is_some_and(|&e| contained(rich.effects.last(), e))
+                    && (*weight < best + earned || self.is_idle(rich))
             })
         };
         let mut chosen = 0;
@@ -115,7 +114,7 @@ impl Search<'_> {
 
     /// Whether the last effect of `richer` is that of `simpler` by another name: it contains it, and has nothing of its own beside.
     pub(super) fn is_renamed(&self, richer: &Explained, simpler: &Explained) -> bool {
-        self.is_idle(richer) && simpler.effects.last().is_some_and(|&e| contained(richer.effects.last(), e))
+        simpler.effects.last().is_some_and(|&e| contained(richer.effects.last(), e)) && self.is_idle(richer)
     }
 
     /// Simpler effects than the best model's last from where that one has come to, where they have not come as far themselves: one may be complete

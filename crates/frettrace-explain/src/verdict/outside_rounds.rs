@@ -10,7 +10,7 @@ use crate::force_laws::{CUBIC_BELOW, thresholds};
 use crate::search::{Asked, Explained};
 use crate::study::merge;
 use crate::{ExplainError, Unknown};
-use frettrace_forward::accelerations::{Beside, Port, PortLaw, PortPlace, Quantity, Setting};
+use frettrace_forward::accelerations::{Beside, Memory, Port, PortLaw, PortPlace, Quantity, Setting};
 use rayon::prelude::*;
 
 /// Share of a mode's range from its end within which it parks there, …
@@ -379,28 +379,27 @@ impl Search<'_> {
         }
         let mut effects = current.effects.clone();
         effects.push(candidate.effect);
-        let start = (setting.clone(), effects.clone(), added.clone());
-        let cold = self.study.whole(setting, &unknowns, (effects, added), 12);
+        let together = |setting: Setting, memory: &Memory| {
+            let fitted = self.study.fit(setting, &unknowns, memory, TOGETHER).ok()?;
+            Some(self.study.judged(fitted, effects.clone(), added.clone()))
+        };
+        let cold = self.study.whole(setting.clone(), &unknowns, (effects.clone(), added.clone()), 12);
         // Where a run of a rigid contact has no answer from rest, it may have one beside that of the model without the effect.
         let mut found = cold.or_else(|unsolved| {
-            if !current.fitted.setting.rigid {
-                return Err(unsolved);
-            }
-            let laws = [start.0.law, current.fitted.setting.law].into_iter();
-            let fitted = laws.map(|law| Setting { law, ..start.0.clone() }).find_map(|setting| {
-                self.study.fit(setting, &unknowns, &current.fitted.memory, TOGETHER).ok()
-            });
-            let (_, effects, added) = start.clone();
-            fitted.map(|fitted| self.study.judged(fitted, effects, added)).ok_or(unsolved)
+            let Setting { rigid, law, .. } = current.fitted.setting;
+            let laws = [setting.law, law].into_iter().filter(|_| rigid);
+            let mut warm = laws.map(|law| Setting { law, ..setting.clone() });
+            warm.find_map(|setting| together(setting, &current.fitted.memory)).ok_or(unsolved)
         })?;
         // Where the balance closes and a law meets its contacts, a fit that ends far from the data has bent the law to what a resonance makes of
         // the rest of the structure's error: law and structure go together from the start.
-        if met && candidate.reduced < BALANCE_CLOSED && found.ratio > NEAR {
-            let (setting, effects, added) = start;
-            if let Ok(fitted) = self.study.fit(setting, &unknowns, &self.study.model.memory(), TOGETHER) {
-                let other = self.study.judged(fitted, effects, added);
-                found = if other.criterion < found.criterion { other } else { found };
-            }
+        if met
+            && candidate.reduced < BALANCE_CLOSED
+            && found.ratio > NEAR
+            && let Some(other) = together(setting, &self.study.model.memory())
+            && other.criterion < found.criterion
+        {
+            found = other;
         }
         let found = self.rested(found, current.excess());
         let mut found = if found.complete() { found } else { self.study.with_shape(&found).unwrap_or(found) };

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 
 use frettrace_forward::simulate::SimulatedLaw;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
+use frettrace_identify::contact::Family;
 
 use crate::StudyError;
 use crate::rig::{Effect, Rig, RigSupport, declared_law};
@@ -41,9 +42,7 @@ fn declared(support: &RigSupport) -> Result<SimulatedLaw, StudyError> {
 /// Rigid friction with the curve that effects give it, as the law of Stribeck; `None` for another law, or where an effect asks for more than a curve.
 fn rigid(rig: &Rig) -> Option<RigSupport> {
     let mut support = rig.support.clone();
-    if !["coulomb", "stribeck"].contains(&support.law.as_str()) {
-        return None;
-    }
+    Family::named(&support.law).filter(|family| family.is_static())?;
     let mu_k = *support.parameters.get("mu_k")?;
     // Friction that does not fall with velocity: any velocity and exponent say the same.
     for (key, value) in [("mu_s", mu_k), ("v_s_m_per_s", 1.0), ("delta", 1.0), ("sigma2_n_s_per_m", 0.0)] {
@@ -59,7 +58,7 @@ fn rigid(rig: &Rig) -> Option<RigSupport> {
         };
         support.parameters.insert(key.to_owned(), value);
     }
-    "stribeck".clone_into(&mut support.law);
+    Family::Stribeck.name().clone_into(&mut support.law);
     Some(support)
 }
 
