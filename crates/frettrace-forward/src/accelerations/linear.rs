@@ -2,7 +2,7 @@
 
 use super::contact::{Begun, Local, PARAMETERS};
 use super::response::{Moves, Response};
-use super::run::{Evaluation, LEAK, State, store, velocity};
+use super::run::{Evaluation, LEAK, State, coefficient, store, velocity};
 use super::setting::PortPlace;
 use frettrace_fourier::GridScratch;
 use frettrace_friction::effects::{Hook, STATES};
@@ -148,6 +148,31 @@ impl<'a> Tangent<'a> {
         };
         let begun = hook.map_or([0.0; STATES], |hook| self.begun.map(|state| state[hook]));
         self.response.answer(&Moves { slip, velocity, normal, trial }, (by_hook, begun))
+    }
+
+    /// Change of the residual `f − Φ(f)` along some forces: the [`jacobian`](Self::jacobian) times them, and all lines answer.
+    pub fn product(&self, forces: &[f64], scratch: &mut GridScratch) -> Vec<f64> {
+        let e = self.evaluation;
+        let moved = |row: usize, line: usize| {
+            let held = line == 0
+                && (0..e.layout.ports).any(|p| e.layout.port_row(p) == row && e.rest_of(p).is_some());
+            let acting = (0..=e.layout.ports).filter(|port| *port > 0 || !held);
+            acting
+                .map(|port| -e.block.at(line, row, 1 + port) * coefficient(forces, e.order(), port, line))
+                .sum()
+        };
+        let mut direction =
+            self.direction(|row| (0..=e.order()).map(|line| moved(row, line)).collect(), scratch);
+        if e.rigid() {
+            let mut own: Vec<_> =
+                (0..=e.order()).map(|line| coefficient(forces, e.order(), 0, line)).collect();
+            own[0] *= 1.0 - LEAK;
+            let mut samples = vec![0.0; e.grid.samples()];
+            e.grid.evaluate(&own, &mut samples, scratch);
+            direction.trial.iter_mut().zip(&samples).for_each(|([trial], own)| *trial += own);
+        }
+        let [answer] = self.answer(&direction, scratch);
+        forces.iter().zip(&answer).map(|(force, answer)| force - answer).collect()
     }
 
     /// Change of the residual `f − Φ(f)` per unknown, column by column.
@@ -311,6 +336,68 @@ impl Tables {
             if at >= samples {
                 at -= samples;
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Tangent;
+    use crate::accelerations::{AccelerationModel, Port, PortLaw, PortPlace, Rig, RunLines, Setting};
+    use frettrace_beam::{Boundary, UniformBeam};
+    use frettrace_friction::effects::{Hook, ModifiedLaw};
+    use num_complex::Complex64;
+
+    /// A product is the derivative, column by column, times the forces: of a bristle whose friction changes with its place, under a support
+    /// with a mean of its own, and of a rigid contact.
+    #[test]
+    fn products_are_those_of_the_columns() {
+        let rig = Rig {
+            beam: UniformBeam::rectangular(0.5, [0.03, 0.0075], 2e11, 7850.0),
+            boundary: Boundary::spring(5e6),
+            exciter: 0.23,
+            sensors: vec![0.12, 0.41],
+            lever: Some(0.0037),
+            known_support: None,
+            modes: 20,
+        };
+        let mut force = vec![Complex64::ZERO; 6];
+        force[1] = 2.5.into();
+        let run = RunLines {
+            omega: std::f64::consts::TAU * 94.3,
+            preload: 70.0,
+            progress: 0.0,
+            worked: [0.0; 2],
+            force,
+            acceleration: vec![vec![Complex64::ZERO; 6]; 2],
+            deviation: vec![vec![1e-3; 6]; 2],
+            base_phase: 0.0,
+            known_force: Vec::new(),
+            contact_order: 12,
+            samples: 128,
+        };
+        let model = AccelerationModel::new(rig, vec![run]).expect("a model");
+        let mut placed = ModifiedLaw::dahl(5e5, 0.25);
+        placed.set(Hook::Position, 2e4);
+        let modes = vec![620.0, 3900.0];
+        for (law, rigid) in [(placed, false), (ModifiedLaw::dahl(5e5, 0.25), true)] {
+            let mut setting = Setting { rigid, ..Setting::new(modes.clone(), vec![0.02; 2], law, 2) };
+            let port = |place| Port { place, law: PortLaw::Polynomial, coefficients: [800.0, 0.3, 1e9, 2.0] };
+            setting.ports = vec![port(PortPlace::At(0.31)), port(PortPlace::Support)];
+            setting.rests = (0, vec![1e-6]);
+            let structure = model.structure(&setting).expect("a structure");
+            let prepared = model.prepare(&structure, &setting, 0);
+            let e = model.evaluation(structure.layout(), &setting, &prepared, 0);
+            let forces: Vec<f64> = (0..e.width()).map(|k| 3.0 * (0.7 * k as f64).sin()).collect();
+            let state = e.evaluate(&forces, &mut e.grid.scratch());
+            let tangent = Tangent::new(&e, &state, &[]);
+            let change = faer::Col::from_fn(e.width(), |k| (1.9 * k as f64).cos());
+            let expected = tangent.jacobian() * &change;
+            let change: Vec<f64> = change.iter().copied().collect();
+            let found = tangent.product(&change, &mut e.grid.scratch());
+            let apart = found.iter().zip(expected.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let size = expected.iter().zip(&change).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(size > 0.1 && apart < 1e-9 * size, "rigid {rigid}: {apart:e} of {size:e}");
         }
     }
 }

@@ -8,6 +8,7 @@
 mod balance;
 mod contact;
 mod differentiation;
+mod krylov;
 mod least_squares;
 mod linear;
 mod model;

@@ -1,6 +1,7 @@
 //! The contact forces of one run: Newton's method on `f − Φ(R_e F_e − R f) = 0`.
 
 use super::balance::recover;
+use super::krylov::{self, inner};
 use super::linear::Tangent;
 use super::run::{Evaluation, State, coefficient};
 use super::structure::Layout;
@@ -204,10 +205,6 @@ impl Updates {
 /// Share of a step that must be found again in its effect for an update of the factor.
 const LEARNT: f64 = 0.1;
 
-fn inner(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
 /// Newton's method from the kept forces; they are cleared where it fails.
 fn newton(
     balanced: &Balanced<'_, '_>,
@@ -237,15 +234,22 @@ fn newton(
         }
         slow = if left > 0.3 * best { slow + 1 } else { 0 };
         best = best.min(left);
+        if slow > SLOW
+            && e.width() > WIDE
+            && let Some((factor, _)) = &kept.factor
+            && let Some(step) = by_products(e, (&at, factor), &mut scratch)
+        {
+            before = None;
+            at = descend(balanced, kept, (&step, left), &mut scratch);
+            continue;
+        }
         if kept.factor.is_none() || slow > SLOW {
             let factor = factorise(e, &at.state);
             kept.factor = Some((factor, Arc::new(kept.unknowns.clone())));
             (updates, before, slow) = (Updates::default(), None, 0);
         }
         let Some((factor, _)) = &kept.factor else { return Err(left) };
-        let right = faer::Col::from_fn(at.difference.len(), |i| at.difference[i]);
-        let solved = faer::linalg::solvers::Solve::solve(factor.as_ref(), &right);
-        let plain: Vec<f64> = solved.iter().copied().collect();
+        let plain = by_factor(factor, &at.difference);
         if let Some((from, made)) = before.take() {
             let s = kept.unknowns.iter().zip(&from).map(|(x, old)| x - old).collect();
             updates.learn(s, plain.iter().zip(&made).map(|(new, old)| new - old).collect());
@@ -261,6 +265,28 @@ fn newton(
 
 /// Steps in a row that leave more than three tenths of the imbalance before the factor is renewed: its updates get that many.
 const SLOW: usize = 2;
+
+/// Unknowns from which a derivative is dear: a new factor takes as long as some tens of its products.
+const WIDE: usize = 600;
+/// Share of the imbalance that a step of [`by_products`] leaves, to first order, and the products it may take.
+const PRODUCTS: (f64, usize) = (0.1, 60);
+
+/// Newton's step with the derivative where it stands, whatever the kept factor was taken at; `None` where that is too far away.
+fn by_products(
+    e: &Evaluation<'_>,
+    (at, factor): (&Imbalance, &Factor),
+    scratch: &mut GridScratch,
+) -> Option<Vec<f64>> {
+    let tangent = Tangent::new(e, &at.state, &[]);
+    let product = |x: &[f64]| by_factor(factor, &tangent.product(x, scratch));
+    krylov::solve(product, by_factor(factor, &at.difference), PRODUCTS)
+}
+
+/// What a factor makes of a vector.
+fn by_factor(factor: &Factor, x: &[f64]) -> Vec<f64> {
+    let right = faer::Col::from_fn(x.len(), |i| x[i]);
+    faer::linalg::solvers::Solve::solve(factor.as_ref(), &right).iter().copied().collect()
+}
 
 fn factorise(e: &Evaluation<'_>, state: &State) -> Factor {
     Arc::new(Tangent::new(e, state, &[]).jacobian().partial_piv_lu())
