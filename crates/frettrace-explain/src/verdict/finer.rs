@@ -41,7 +41,7 @@ impl Search<'_> {
         // corners than these, and a declared one may be far from the noise for nothing else.
         let kinked = current.fitted.setting.rigid && current.effects.is_empty();
         let near = kinked || current.ratio <= NEAR || current.excess() <= MOST_TAKEN * lacked;
-        let most = if kinked { MOST_REFINED_RIGID } else { MOST_REFINED };
+        let most = if current.fitted.setting.rigid { MOST_REFINED_RIGID } else { MOST_REFINED };
         // What a finer grid may leave is no reason for another one.
         let told = |search: &Self, current: &Explained| {
             current.complete() || kinked && search.refined > 0 && search.tells_all_it_can(current)
@@ -118,6 +118,17 @@ impl Search<'_> {
         let borne_out =
             || held_out.is_empty() || self.study.error(&model.fitted, held_out).ratio() <= BORNE_OUT;
         self.within_method(model) && (borne_out() || self.by_method(model, held_out))
+    }
+
+    /// A named model of a rigid contact, fitted with the error of its phase grid among the deviations of the lines; `None` where it leaves
+    /// more than that may be. Its rivals are compared by the deviations of the noise alone, which stay.
+    pub(super) fn within_grid(&self, model: &Explained) -> Option<Explained> {
+        if !model.fitted.setting.rigid || model.effects.is_empty() || model.ratio > NEAR {
+            return None;
+        }
+        let mut other = self.clone();
+        let found = doubting(&mut other.study, model)?;
+        (found.complete() || other.within_method(&found)).then_some(found)
     }
 
     /// Whether what a model with a rigid contact leaves in some runs is no more than its balance may be wrong by: its accuracy in all

@@ -89,12 +89,21 @@ impl Search<'_> {
         if !model.complete() && self.traces_a_curve(&model) {
             model = self.sharpened(model, LeftLines::is_noise, Self::traces_a_curve);
         }
+        let within_grid = if model.complete() { None } else { self.within_grid(&model) };
+        let by_grid = within_grid.is_some();
+        if let Some(doubted) = within_grid {
+            self.notes.push(format!(
+                "what is left, {:.2} times the noise, is no more than the phase grid of the rigid contact's balance may be wrong by",
+                doubted.ratio
+            ));
+            model = doubted;
+        }
         let borne_out = self.borne_out(&baseline, &model);
         let faults = &self.study.case.faults;
         let named: Vec<&ChannelFault> = faults.iter().filter(|f| self.study.case.allows(f.id)).collect();
         let nameless = named.len() < faults.len();
         let shaken = self.study.case.shaken;
-        let by_method = self.within_method && model.effects.is_empty();
+        let by_method = by_grid || self.within_method && model.effects.is_empty();
         let within = model.complete() && self.takes_all(&baseline, &model);
         let by_curve = !within && self.leaves_a_curve(&model);
         let near = within || model.sufficient(&baseline) || self.other_formula || by_method || by_curve;
