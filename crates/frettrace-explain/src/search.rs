@@ -199,6 +199,12 @@ impl Study<'_> {
         }
     }
 
+    /// The same model fitted further from its motions on other lines.
+    pub(crate) fn polished_on_lines(&self, from: &Explained) -> Result<Explained, ExplainError> {
+        let Fitted { setting, memory, .. } = &from.fitted;
+        self.fitted_on(from, (&self.model.on_lines(memory, setting.ports.len()), STEPS))
+    }
+
     /// The same model fitted further, with everything free, from the motions that are remembered.
     fn fitted_on(
         &self,

@@ -297,7 +297,10 @@ impl Search<'_> {
                 }
             }
             // The balance of a rigid contact leaves as much of a right model, and no second name can be told in it.
-            let settled = current.complete() || current.fitted.setting.rigid && current.sufficient(baseline);
+            let told = |search: &Self, model: &Explained| {
+                model.sufficient(baseline) || search.within_grid(model).is_some()
+            };
+            let settled = current.complete() || current.fitted.setting.rigid && told(self, &current);
             if settled && !self.series_open(&current) {
                 break;
             }

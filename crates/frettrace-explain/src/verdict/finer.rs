@@ -179,18 +179,29 @@ impl Study<'_> {
 fn on_finer(study: &Study<'_>, current: &Explained) -> Option<Explained> {
     let mut best = study.polished(current).ok();
     let setting = &current.fitted.setting;
-    if !setting.rigid || !current.effects.is_empty() {
+    let done = |best: Option<&Explained>| {
+        best.is_some_and(|best| best.complete() || best.excess() < AT_REST * current.excess())
+    };
+    if !setting.rigid || done(best.as_ref()) {
+        return best;
+    }
+    // From the recovered forces a rigid contact may come to another motion than the one that it had on the coarser grid.
+    let lesser = |a: Option<Explained>, b: Option<Explained>| {
+        a.into_iter().chain(b).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
+    };
+    best = lesser(best, study.polished_on_lines(current).ok());
+    if !current.effects.is_empty() {
         return best;
     }
     let declared = study.case.setting(setting.law);
     let recovered = || study.laws_on_contacts(&declared).unwrap_or_default();
     for law in std::iter::once(setting.law).chain(std::iter::once_with(recovered).flatten()) {
-        if best.as_ref().is_some_and(|best| best.complete() || best.excess() < AT_REST * current.excess()) {
+        if done(best.as_ref()) {
             break;
         }
         let setting = Setting { law, ..declared.clone() };
         let anew = study.whole(setting, &study.case.unknowns(), (Vec::new(), Vec::new()), ANEW).ok();
-        best = best.into_iter().chain(anew).min_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        best = lesser(best, anew);
     }
     best
 }

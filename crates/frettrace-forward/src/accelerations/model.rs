@@ -138,6 +138,13 @@ impl AccelerationModel {
         Structure::new((&self.rig, &self.declared), setting)
     }
 
+    /// The solutions of a setting with `ports` ports for a model of the same runs on other lines, as starts on the lines of this one.
+    #[must_use]
+    pub fn on_lines(&self, memory: &Memory, ports: usize) -> Memory {
+        let runs = memory.runs.iter().zip(&self.runs);
+        Memory { runs: runs.map(|(kept, run)| kept.on_lines(ports, run.contact_order)).collect() }
+    }
+
     /// Fresh memory: nothing known of any run.
     #[must_use]
     pub fn memory(&self) -> Memory {

@@ -44,6 +44,19 @@ impl RunMemory {
         Self { unknowns, factor: None }
     }
 
+    /// The solution with `ports` ports and the contact on lines up to another order: what it has none of holds nothing.
+    pub(super) fn on_lines(&self, ports: usize, order: usize) -> Self {
+        let known = self.unknowns.len() / (1 + ports);
+        let wanted = if known > 1 { 2 * order + 1 } else { known };
+        let port = |forces: &[f64]| {
+            let mut forces = forces.to_vec();
+            forces.resize(wanted, 0.0);
+            forces
+        };
+        let unknowns = self.unknowns.chunks(known.max(1)).flat_map(port).collect();
+        Self { unknowns, factor: None }
+    }
+
     /// Whether the factor still belongs to the unknowns: within `1e-3` of their size.
     pub(super) fn current(&self) -> Option<Factor> {
         let (factor, at) = self.factor.as_ref()?;
@@ -318,7 +331,18 @@ const SHORTEST: f64 = 0.02;
 
 #[cfg(test)]
 mod tests {
-    use super::Updates;
+    use super::{RunMemory, Updates};
+
+    /// A contact and one port of order 1 on orders 2 and 0; a mean that is known alone stays alone.
+    #[test]
+    fn harmonics_stay_on_their_lines() {
+        let of = |unknowns: &[f64]| RunMemory { unknowns: unknowns.to_vec(), factor: None };
+        let known = of(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        assert_eq!(known.on_lines(1, 2).unknowns, [1.0, 2.0, 3.0, 0.0, 0.0, 4.0, 5.0, 6.0, 0.0, 0.0]);
+        assert_eq!(known.on_lines(1, 0).unknowns, [1.0, 4.0]);
+        assert_eq!(of(&[7.0]).on_lines(0, 2).unknowns, [7.0]);
+        assert!(of(&[]).on_lines(1, 2).unknowns.is_empty());
+    }
 
     /// With the factor 1 of the derivative A = ((2, 1), (0, 4)): after two steps along the axes the updated inverse is that of A,
     /// `H (A s) = s` for every step.
