@@ -27,7 +27,7 @@ const QUICK: f64 = 1.0;
 /// that snap, and a wear whose course the runs held out had to tell; modulations of the preload that the mean of a bristle carries, twice, and one without a
 /// line in the quietest run; a stop that only a run without a period reaches, one whose gap was held to where recovered runs rest, a support whose
 /// curve four terms carry from where two have come to, and a wear that the fitted runs did not tell from an ageing.
-const MENDED: [(u64, &str); 60] = [
+const MENDED: [(u64, &str); 62] = [
     (251, "clean 2 lugre rotation"),
     (251, "structure.quadratic-damping 1 hybrid transverse"),
     (251, "unlisted:structure/even-stiffness 1 dahl transverse"),
@@ -88,6 +88,8 @@ const MENDED: [(u64, &str); 60] = [
     (313, "structure.second-support 2 dahl transverse"),
     (313, "contact.normal-stiffening/exponential 2 dahl rotation"),
     (313, "friction.wear/settling 2 hybrid rotation"),
+    (314, "measurement.gain 2 coulomb transverse"),
+    (314, "measurement.position 1 stribeck transverse"),
 ];
 
 fn run() -> anyhow::Result<Outcome> {
