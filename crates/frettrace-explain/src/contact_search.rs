@@ -227,6 +227,19 @@ impl Study<'_> {
         let known = merge(law_unknowns, own);
         let current = self.contact_candidate(recovered, setting, &known, (effect, &as_it_is), ALL_STEPS);
         let Some(current) = current else { return Vec::new() };
+        let mut found = self.forms_of(recovered, setting, law_unknowns, (effect, own));
+        found.retain(|one| one.criterion + EVIDENCE < current.criterion);
+        found
+    }
+
+    /// All forms of an effect in the same way, one start of each.
+    pub(crate) fn forms_of(
+        &self,
+        recovered: &Contacts,
+        setting: &Setting,
+        law_unknowns: &[Unknown],
+        (effect, own): (usize, &[Unknown]),
+    ) -> Vec<ContactCandidate> {
         let mut bare = setting.clone();
         own.iter().for_each(|unknown| {
             bare.clear(unknown.quantity);
@@ -248,7 +261,6 @@ impl Study<'_> {
             Some(self.contact_shape(recovered, &bare, &plain).unwrap_or(plain))
         });
         let mut found: Vec<ContactCandidate> = fitted.collect();
-        found.retain(|one| one.criterion + EVIDENCE < current.criterion);
         found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
         found
     }

@@ -1,6 +1,6 @@
 //! One effect more in the contact.
 
-use super::{EVIDENCE, PROXY, Rival, Search, Tried};
+use super::{EVIDENCE, FORETOLD, PROXY, Rival, Search, Tried};
 use crate::effects::ALL;
 use crate::search::Explained;
 use crate::study::merge;
@@ -139,6 +139,22 @@ impl Search<'_> {
             }
             None => model,
         }
+    }
+
+    /// The only name of a model in the form that foretells the runs held out, of those that follow the fitted ones as it does: a name
+    /// is no formula, and the fitted runs may not tell one formula from another.
+    pub(super) fn foretold(&self, baseline: &Explained, model: &Explained) -> Option<Explained> {
+        let &[effect] = &model.effects[..] else { return None };
+        let setting = self.unbent(model);
+        let recovered = self.study.recovered(&setting).ok()?;
+        let (law, _) = Unknown::parted(&merge(&self.study.case.unknowns(), &baseline.added));
+        let (own, _) = Unknown::parted(model.own(0));
+        let forms = self.study.forms_of(&recovered, &setting, &law, (effect, &own));
+        let asked = self.study.contact_round(baseline, &forms);
+        let followed = asked.into_iter().filter_map(|asked| asked.answer.ok()).filter(Explained::complete);
+        let judged = followed.map(|one| (self.held_out_ratio(&one), one));
+        let best = judged.min_by(|a, b| a.0.total_cmp(&b.0));
+        best.filter(|(ratio, _)| *ratio <= FORETOLD).map(|(_, one)| one)
     }
 
     fn contact_to_its_end(
