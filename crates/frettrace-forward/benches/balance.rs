@@ -7,11 +7,13 @@
 mod problems;
 
 use frettrace_beam::{Boundary, Dof, ModalModel, ModalOptions, UniformBeam};
+use frettrace_forward::accelerations::{AccelerationModel, Rig, RunLines, Setting};
 use frettrace_forward::hb::{
     Accuracy, Contact, Family, Friction, FrictionBeam, Lines, Load, Network, Normal, Problem, Reading,
     Response, ResponseOptions, Settings, Solver, Sweep, SweepStatus, response,
 };
 use frettrace_forward::march::{Port, Structure};
+use frettrace_friction::effects::ModifiedLaw;
 use frettrace_friction::{Bristle, Scalar, laws::Dahl};
 use num_complex::Complex64;
 use problems::Peer;
@@ -154,4 +156,40 @@ fn twelve_tangents(bencher: divan::Bencher, order: usize) {
     let Ok(solution) = solver.solve(&problem, None) else { return };
     let changes = vec![lines.clone(); 10];
     bencher.bench_local(|| solver.tangents(&problem, &solution, &changes));
+}
+
+/// The beam of `tests/rigid_friction` at its force of 6 N: friction that is set-valued at rest, a run of stick and slip.
+fn rigid(order: usize) -> Option<(AccelerationModel, Setting)> {
+    let (beam, boundary) =
+        (UniformBeam::rectangular(0.5, [0.03, 0.007], 2.0e11, 7850.0), Boundary::spring(5e6));
+    let options = ModalOptions { modes: 40, ..ModalOptions::default() };
+    let frequency = ModalModel::new(&beam, &boundary, &options).ok()?.natural_frequency().to_vec();
+    let (sensors, lever) = (vec![0.33], Some(0.0035));
+    let rig = Rig { beam, boundary, exciter: 0.2, sensors, lever, known_support: None, modes: 40 };
+    let mut force = vec![Complex64::ZERO; 41];
+    force[1] = 6.0.into();
+    let run = RunLines {
+        omega: TAU * 105.0,
+        preload: 60.0,
+        progress: 0.0,
+        worked: [0.0; 2],
+        acceleration: vec![vec![Complex64::ZERO; force.len()]],
+        deviation: vec![vec![6e-6; force.len()]],
+        force,
+        base_phase: 0.0,
+        known_force: Vec::new(),
+        contact_order: order,
+        samples: 16 * (order + 1),
+    };
+    let law = ModifiedLaw::dahl(1e6, 0.25);
+    let damping = vec![0.01; frequency.len()];
+    let setting = Setting { rigid: true, ..Setting::new(frequency, damping, law, 1) };
+    Some((AccelerationModel::new(rig, vec![run]).ok()?, setting))
+}
+
+/// One run of a rigid contact from nothing; from 600 unknowns (order 300) on by products.
+#[divan::bench(args = [200, 400, 800], sample_count = 10)]
+fn rigid_run(bencher: divan::Bencher, order: usize) {
+    let Some((model, setting)) = rigid(order) else { return };
+    bencher.bench_local(|| model.predict(&setting, &[0], &mut model.memory()));
 }

@@ -8,7 +8,7 @@ use super::finer::NEAR;
 use super::outcome::Outcome;
 use super::rules::is_followed;
 use super::{CONTRADICTED, EVIDENCE, FORETOLD, Rival, Search};
-use crate::effects::{ALL, EffectPlace};
+use crate::effects::ALL;
 use crate::left::LeftLines;
 use crate::search::{COMPLETE, Explained, excess};
 use crate::{Case, ExplainError, Split, Study};
@@ -155,19 +155,7 @@ impl<'a> Begun<'a> {
             baseline = better;
             search.before = search.errors_as_read(&baseline);
         }
-        let misses =
-            model.effects.len() == 1 && model.complete() && search.held_out_ratio(&model) > CONTRADICTED;
-        if misses
-            && ALL[model.effects[0]].place() == EffectPlace::Contact
-            && let Some(other) = search.foretold(&baseline, &model)
-        {
-            search.notes.push(format!(
-                "{} has several formulas that follow the fitted runs, and the one that foretells the runs held out is taken: it was at {:.2} times the noise there in another",
-                ALL[other.effects[0]].id(),
-                search.held_out_ratio(&model)
-            ));
-            model = other;
-        }
+        let model = search.in_the_form_that_foretells(&baseline, model);
         let model = search.with_lift_off(model);
         Ok(Found { begun, search, baseline, model })
     }

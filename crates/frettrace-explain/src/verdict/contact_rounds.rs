@@ -1,7 +1,7 @@
 //! One effect more in the contact.
 
-use super::{EVIDENCE, FORETOLD, PROXY, Rival, Search, Tried};
-use crate::effects::ALL;
+use super::{CONTRADICTED, EVIDENCE, FORETOLD, PROXY, Rival, Search, Tried};
+use crate::effects::{ALL, EffectPlace};
 use crate::search::Explained;
 use crate::study::merge;
 use crate::{ExplainError, Unknown};
@@ -141,20 +141,29 @@ impl Search<'_> {
         }
     }
 
-    /// The only name of a model in the form that foretells the runs held out, of those that follow the fitted ones as it does: a name
-    /// is no formula, and the fitted runs may not tell one formula from another.
-    pub(super) fn foretold(&self, baseline: &Explained, model: &Explained) -> Option<Explained> {
-        let &[effect] = &model.effects[..] else { return None };
-        let setting = self.unbent(model);
-        let recovered = self.study.recovered(&setting).ok()?;
+    /// A single name that follows the fitted runs and misses those held out, in the form that foretells these, of those that follow the fitted
+    /// ones as well: a name is no formula, and the fitted runs may not tell one formula from another.
+    pub(super) fn in_the_form_that_foretells(&mut self, baseline: &Explained, model: Explained) -> Explained {
+        let &[effect] = &model.effects[..] else { return model };
+        let missed = self.held_out_ratio(&model);
+        if ALL[effect].place() != EffectPlace::Contact || !model.complete() || missed <= CONTRADICTED {
+            return model;
+        }
+        let setting = self.unbent(&model);
+        let Ok(recovered) = self.study.recovered(&setting) else { return model };
         let (law, _) = Unknown::parted(&merge(&self.study.case.unknowns(), &baseline.added));
         let (own, _) = Unknown::parted(model.own(0));
         let forms = self.study.forms_of(&recovered, &setting, &law, (effect, &own));
         let asked = self.study.contact_round(baseline, &forms);
-        let followed = asked.into_iter().filter_map(|asked| asked.answer.ok()).filter(Explained::complete);
+        let followed = self.answered(asked).into_iter().filter(Explained::complete);
         let judged = followed.map(|one| (self.held_out_ratio(&one), one));
         let best = judged.min_by(|a, b| a.0.total_cmp(&b.0));
-        best.filter(|(ratio, _)| *ratio <= FORETOLD).map(|(_, one)| one)
+        let Some((_, other)) = best.filter(|(ratio, _)| *ratio <= FORETOLD) else { return model };
+        self.notes.push(format!(
+            "{} has several formulas that follow the fitted runs, and the one that foretells the runs held out is taken: it was at {missed:.2} times the noise there in another",
+            ALL[effect].id()
+        ));
+        other
     }
 
     fn contact_to_its_end(
