@@ -151,7 +151,7 @@ fn explanation(measurement: &Measurement, options: &ExplainOptions, outcome: &Ou
     if !outcome.aside.is_empty() {
         let aside: Vec<&str> = outcome.aside.iter().map(|&run| measurement.runs[run].id.as_str()).collect();
         notes.push(format!(
-            "runs {} are neither fitted nor held out: the contact is near a fold of its characteristic there, where a beam snaps and a balance does not",
+            "runs {} are neither fitted nor held out: no balance keeps to the motion of the beam there",
             aside.join(", ")
         ));
     }

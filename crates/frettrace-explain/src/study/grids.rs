@@ -96,11 +96,29 @@ impl Study<'_> {
         Ok(())
     }
 
-    /// The same study with half the lines of contact force in every run: a run that has the most lines that a balance gets is on the grid
+    /// What the phase grid of each run may be wrong by, over the noise, in the root mean square of its lines; none where the coarser grid has
+    /// no balance, which tells nothing.
+    pub(crate) fn grid_doubts(&self, fitted: &Fitted) -> Vec<(usize, f64)> {
+        let mut doubted = self.clone();
+        if doubted.doubt_grid(fitted).is_err() {
+            return Vec::new();
+        }
+        let doubt = |run: usize| {
+            let known = self.case.records[run].lines.deviation.iter().flatten();
+            let parts = doubted.model.runs[run].deviation.iter().flatten().zip(known);
+            let (sum, count) = parts.fold((0.0, 0_usize), |(sum, count), (std, known)| {
+                (sum + (std / known).powi(2) - 1.0, count + 1)
+            });
+            (sum / count.max(1) as f64).sqrt()
+        };
+        self.all_runs().into_iter().map(|run| (run, doubt(run))).collect()
+    }
+
+    /// The same study with half the lines of contact force in every run that keeps as many as were measured of it: a run that has the most lines that a balance gets is on the grid
     /// it was on before the others were refined.
     fn halved(&self) -> Result<Self, ExplainError> {
         let mut runs = self.model.runs.clone();
-        for run in &mut runs {
+        for run in runs.iter_mut().filter(|run| run.contact_order / 2 >= run.order()) {
             run.contact_order /= 2;
             run.samples /= 2;
         }

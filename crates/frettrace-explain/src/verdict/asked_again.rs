@@ -20,7 +20,7 @@ const LEFT: f64 = 1.005;
 
 /// The declared model as it was fitted, before any effect is looked for.
 #[derive(Clone)]
-struct Begun<'a> {
+pub(super) struct Begun<'a> {
     search: Search<'a>,
     baseline: Explained,
 }
@@ -38,9 +38,17 @@ struct Found<'a> {
 
 /// What comes of a case, and the study that it came of.
 pub(super) fn answer(case: &Case) -> Result<(Outcome, Study<'_>), ExplainError> {
+    answer_from(case, Begun::new(case, Split::First)?)
+}
+
+/// The same from the declared model as it was fitted with the first split.
+pub(super) fn answer_from<'a>(
+    case: &'a Case,
+    begun: Begun<'a>,
+) -> Result<(Outcome, Study<'a>), ExplainError> {
     let without;
     let mut split = Split::First;
-    let mut found = Found::by(case, split)?;
+    let mut found = begun.searched(split)?;
     let mut missed = Vec::new();
     for next in [Split::Second, Split::One] {
         let again = found.contradicted() || split == Split::First && found.overtaken();
@@ -88,7 +96,7 @@ pub(super) fn answer(case: &Case) -> Result<(Outcome, Study<'_>), ExplainError> 
 }
 
 impl<'a> Begun<'a> {
-    fn new(case: &'a Case, split: Split) -> Result<Self, ExplainError> {
+    pub(super) fn new(case: &'a Case, split: Split) -> Result<Self, ExplainError> {
         let (study, setting) = Study::new(case, split)?;
         let mut search = Search::new(study);
         let declared = search.baseline(setting)?;
@@ -110,6 +118,22 @@ impl<'a> Begun<'a> {
         search.before = search.errors_as_read(&baseline);
         search.within_method = !baseline.complete() && search.within_method(&baseline);
         Ok(Self { search, baseline })
+    }
+
+    /// Runs of which waveforms are predicted.
+    pub(super) fn runs(&self) -> usize {
+        self.search.study.all_runs().len()
+    }
+
+    /// Runs whose phase grid cuts the motion of a rigid contact short by far more than the noise, so that no law can be told in them: what the grid
+    /// may be wrong by is more than [`NEAR`] times the noise of their lines.
+    pub(super) fn unresolved(&self) -> Vec<usize> {
+        let (study, fitted) = (&self.search.study, &self.baseline.fitted);
+        let follows = self.baseline.complete() && self.search.held_out_ratio(&self.baseline) <= CONTRADICTED;
+        if !fitted.setting.rigid || follows {
+            return Vec::new();
+        }
+        study.grid_doubts(fitted).into_iter().filter(|(_, doubt)| *doubt > NEAR).map(|(run, _)| run).collect()
     }
 
     /// The same where a case asks for other names: for a single one, in the place of a single one.

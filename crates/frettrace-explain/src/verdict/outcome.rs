@@ -78,7 +78,7 @@ pub struct Outcome {
     pub held_out: Option<[RunError; 2]>,
     /// Indices of the training and of the held-out runs.
     pub runs: [Vec<usize>; 2],
-    /// Indices of the runs that are neither, because no beam keeps to the motion that the model has in them.
+    /// Indices of the runs that are neither, because no beam keeps to the motion that the model has in them, or no phase grid to the beam's.
     pub aside: Vec<usize>,
     /// What a reader must know.
     pub notes: Vec<String>,

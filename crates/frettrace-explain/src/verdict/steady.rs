@@ -4,10 +4,15 @@
 //! ([`AccelerationModel::stability_margin`](frettrace_forward::accelerations::AccelerationModel::stability_margin)). What such runs leave is no
 //! evidence of an effect, and bends all that is fitted to them: where nothing explains all runs, the others are asked by themselves. A name
 //! that explains them must bring the runs set aside nearer, too, to what a snap leaves. That nothing is missing is not said of a part of the runs.
+//!
+//! A rigid contact may answer a run on more lines than a balance can have, above all where the motion repeats after several periods of
+//! the excitation: what its grid may be wrong by is many times the noise then, and no law can be told in it. The others are asked by
+//! themselves, and what is said is said of them.
 
-use super::asked_again::answer;
+use super::asked_again::{Begun, answer, answer_from};
+use super::finer::NEAR;
 use super::{Outcome, Place, Verdict};
-use crate::{Case, ExplainError, Fitted, Study};
+use crate::{Case, ExplainError, Fitted, Split, Study};
 use frettrace_friction::effects::Hook;
 
 /// Margin of stability below which a run is set aside: a fold of the contact (0) is nearer than an undisturbed beam (1) by a fifth. Right models
@@ -19,12 +24,19 @@ const OF_A_SNAP: f64 = 10.0;
 /// Fewest other runs that are asked by themselves: one of them is held out.
 const LEAST_STEADY: usize = 4;
 
+/// Runs that a grid resolves, for each that it does not, from which these are special: a law that is far from the right one parts the grids in all.
+const LEAST_RESOLVED: usize = 2;
+
 /// Explains a case.
 ///
 /// # Errors
 /// [`ExplainError`] where no run is periodic or the model cannot be evaluated at all.
 pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
-    let (mut found, study) = answer(case)?;
+    let begun = Begun::new(case, Split::First)?;
+    if let Some(found) = beside_unresolved(case, &begun) {
+        return found;
+    }
+    let (mut found, study) = answer_from(case, begun)?;
     let unexplained = found.verdict == Verdict::Unexplained && found.place == Some(Place::Contact);
     let all = study.all_runs();
     if !unexplained || study.error(&found.model.fitted, &all).ratio() > OF_A_SNAP {
@@ -52,6 +64,26 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
         other.verdict == Verdict::Explained && nearer && after <= OF_A_SNAP
     });
     Ok(asked.map_or(found, |(other, _)| other))
+}
+
+/// What the other runs tell, where a grid resolves those and not a few; `None` where it resolves all, or too many are not.
+fn beside_unresolved(case: &Case, begun: &Begun<'_>) -> Option<Result<Outcome, ExplainError>> {
+    let unresolved = begun.unresolved();
+    let resolved = begun.runs() - unresolved.len();
+    if unresolved.is_empty() || resolved < LEAST_STEADY || resolved < LEAST_RESOLVED * unresolved.len() {
+        return None;
+    }
+    let mut aside = [&case.aside[..], &unresolved].concat();
+    aside.sort_unstable();
+    let found = explain(&Case { aside, ..case.clone() });
+    Some(found.map(|mut found| {
+        found.notes.push(format!(
+            "in {} of {} runs the phase grid may be wrong by more than {NEAR} times the noise: the balance of a rigid contact does not resolve them, and no model is compared with them",
+            unresolved.len(),
+            begun.runs()
+        ));
+        found
+    }))
 }
 
 impl Study<'_> {
