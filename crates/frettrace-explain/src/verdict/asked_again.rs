@@ -125,6 +125,11 @@ impl<'a> Begun<'a> {
         self.search.study.all_runs().len()
     }
 
+    /// Whether the declared model follows the runs that it was fitted to.
+    pub(super) fn follows_fitted(&self) -> bool {
+        self.baseline.complete()
+    }
+
     /// Runs whose phase grid cuts the motion of a rigid contact short by far more than the noise, so that no law can be told in them: what the grid
     /// may be wrong by is more than [`NEAR`] times the noise of their lines.
     pub(super) fn unresolved(&self) -> Vec<usize> {
