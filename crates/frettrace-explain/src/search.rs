@@ -125,6 +125,11 @@ impl Explained {
         self.counts.push(self.added.len().saturating_sub(before.added.len()));
     }
 
+    /// Whether a single name leaves nothing to explain.
+    pub(crate) fn is_single(&self) -> bool {
+        self.effects.len() == 1 && self.complete()
+    }
+
     /// Whether so little is left of what `baseline` missed that no further mechanism can be told in it: a hundredth of its
     /// excess, and an error within a fifth of the noise. What an effect with one formula leaves is another mechanism.
     pub(crate) fn sufficient(&self, baseline: &Self) -> bool {

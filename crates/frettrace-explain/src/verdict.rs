@@ -297,10 +297,9 @@ impl Search<'_> {
                 }
             }
             // The balance of a rigid contact leaves as much of a right model, and no second name can be told in it.
-            let told = |search: &Self, model: &Explained| {
-                model.sufficient(baseline) || search.within_grid(model).is_some()
-            };
-            let settled = current.complete() || current.fitted.setting.rigid && told(self, &current);
+            let settled = current.complete()
+                || current.fitted.setting.rigid
+                    && (current.sufficient(baseline) || self.within_grid(&current).is_some());
             if settled && !self.series_open(&current) {
                 break;
             }

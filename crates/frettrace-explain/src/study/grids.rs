@@ -114,9 +114,8 @@ impl Study<'_> {
         self.all_runs().into_iter().map(|run| (run, doubt(run))).collect()
     }
 
-    /// The same study with half the lines of contact force in every run that keeps as many as were measured of it: a run that has the most lines
-    /// that a balance gets is on the grid
-    /// it was on before the others were refined.
+    /// The same study with half the lines of contact force in every run that keeps as many as were measured of it: a run that has the
+    /// most lines that a balance gets is on the grid it was on before the others were refined.
     fn halved(&self) -> Result<Self, ExplainError> {
         let mut runs = self.model.runs.clone();
         for run in runs.iter_mut().filter(|run| run.contact_order / 2 >= run.order()) {

@@ -71,7 +71,7 @@ pub(super) fn answer_from<'a>(
     if split == Split::First && found.is_ambiguous() {
         let ratio = found.held_out_ratio();
         if let Ok(other) = Found::by(case, Split::Second)
-            && other.is_single()
+            && other.model.is_single()
             && other.held_out_ratio() <= FORETOLD
         {
             missed.push(format!(
@@ -236,12 +236,7 @@ impl<'a> Found<'a> {
     /// Whether runs held out hold more than the noise beside a single name, and a rival of it follows the fitted runs as well.
     fn is_ambiguous(&self) -> bool {
         let follows = |rival: &Rival| rival.excess <= excess(COMPLETE);
-        self.is_single() && self.held_out_ratio() > FORETOLD && self.search.rivals.iter().any(follows)
-    }
-
-    /// Whether a single name leaves no more than the noise in the fitted runs.
-    fn is_single(&self) -> bool {
-        self.model.effects.len() == 1 && self.model.complete()
+        self.model.is_single() && self.held_out_ratio() > FORETOLD && self.search.rivals.iter().any(follows)
     }
 
     /// The only name of a model that leaves more than the noise. One that every rival leaves ten times as much as is in no doubt.

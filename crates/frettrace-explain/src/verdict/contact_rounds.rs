@@ -144,9 +144,11 @@ impl Search<'_> {
     /// A single name that follows the fitted runs and misses those held out, in the form that foretells these, of those that follow the fitted
     /// ones as well: a name is no formula, and the fitted runs may not tell one formula from another.
     pub(super) fn in_the_form_that_foretells(&mut self, baseline: &Explained, model: Explained) -> Explained {
-        let &[effect] = &model.effects[..] else { return model };
-        let missed = self.held_out_ratio(&model);
-        if ALL[effect].place() != EffectPlace::Contact || !model.complete() || missed <= CONTRADICTED {
+        if !model.is_single() {
+            return model;
+        }
+        let (effect, missed) = (model.effects[0], self.held_out_ratio(&model));
+        if ALL[effect].place() != EffectPlace::Contact || missed <= CONTRADICTED {
             return model;
         }
         let setting = self.unbent(&model);
