@@ -28,6 +28,14 @@ pub struct ChannelFault {
     pub evidence: f64,
 }
 
+impl ChannelFault {
+    /// Whether the signal breaks off or is cut: what a periodic run lost is filled from its other periods, the others have none.
+    #[must_use]
+    pub fn breaks_off(&self) -> bool {
+        matches!(self.id, "measurement.dropout" | "measurement.clipping")
+    }
+}
+
 /// Saturation of one channel in one run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Clipped {

@@ -22,6 +22,7 @@ mod rules;
 mod steady;
 
 pub use open_runs::{SeenSupport, peak_from_rest};
+pub(crate) use outcome::faulty;
 pub use outcome::{Named, Outcome, Place, Tried, Verdict};
 pub use steady::explain;
 

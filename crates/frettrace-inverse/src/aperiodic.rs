@@ -18,6 +18,7 @@
 //! is weighed against what a random walk would do ([`drift`]); it is named unobservable, and the bands hold what is left.
 
 mod bins;
+mod calibration;
 mod drift;
 mod ends;
 mod known;
@@ -29,6 +30,7 @@ mod structure;
 use crate::contact::{RunBalance, Setting};
 use crate::dynamics::Load;
 use bins::{Amplitudes, Bin, Solved};
+pub(crate) use calibration::slopes;
 use ends::{Decays, JUMPS, Jump, Record};
 use faer::prelude::Solve;
 use faer::{Col, Mat, Side};
@@ -89,9 +91,20 @@ impl<'a> Estimated<'a> {
         (known, doubt): (&'a Known, f64),
         loads: &'a [Load],
     ) -> Self {
+        Self::in_rounds(ROUNDS, setting, left, (known, doubt), loads)
+    }
+
+    /// The same in so many rounds.
+    fn in_rounds(
+        rounds: usize,
+        setting: &'a Setting<'a>,
+        left: &Left,
+        (known, doubt): (&'a Known, f64),
+        loads: &'a [Load],
+    ) -> Self {
         let whole = Whole::new(setting, left, (known, doubt), loads);
         let mut round = whole.round(whole.tapered_priors(left));
-        for _ in 1..ROUNDS {
+        for _ in 1..rounds {
             round = whole.round(whole.updated_priors(&round, ESTIMATED));
         }
         Self { whole, round }

@@ -147,18 +147,19 @@ impl LineData {
 }
 
 /// Normal equations of one step, and the cost they start from.
-struct Step {
+#[derive(Clone)]
+pub(crate) struct Step {
     cost: f64,
-    matrix: Vec<f64>,
-    gradient: Vec<f64>,
+    pub(crate) matrix: Vec<f64>,
+    pub(crate) gradient: Vec<f64>,
 }
 
 impl Step {
-    fn zero(parameters: usize) -> Self {
+    pub(crate) fn zero(parameters: usize) -> Self {
         Self { cost: 0.0, matrix: vec![0.0; parameters * parameters], gradient: vec![0.0; parameters] }
     }
 
-    fn add(mut self, other: &Self) -> Self {
+    pub(crate) fn add(mut self, other: &Self) -> Self {
         self.cost += other.cost;
         self.matrix.iter_mut().zip(&other.matrix).for_each(|(a, b)| *a += b);
         self.gradient.iter_mut().zip(&other.gradient).for_each(|(a, b)| *a += b);
@@ -221,6 +222,37 @@ pub(crate) fn calibrate(
     CalibratedStructure { model: problem.model(&theta), converged, ..declared.clone() }
 }
 
+/// Calibrates the trusted modes in a few Gauss-Newton steps on the normal equations that `slopes` gives of a structure, the values that are known as
+/// priors with their own deviations. No step is shortened: what comes of it must be asked of the balance.
+pub(crate) fn calibrate_by(
+    known: &CalibratedStructure,
+    dynamics: &Dynamics,
+    slopes: impl Fn(&CalibratedStructure) -> Step,
+) -> Option<CalibratedStructure> {
+    let problem = Problem { declared: known, dynamics, runs: &[] };
+    let mut at = known.clone();
+    for _ in 0..FEW_STEPS {
+        let mut theta = problem.parameters(&at.model);
+        let step = problem.beside_prior(&theta, slopes(&at));
+        let change = solve(&step)?;
+        let n = theta.len();
+        let moves = |(p, d): (usize, &f64)| d.abs() > SETTLED * step.matrix[p * n + p].sqrt().recip();
+        let converged = !change.iter().enumerate().any(moves);
+        theta.iter_mut().zip(&change).for_each(|(theta, d)| *theta += d);
+        let covariance = inverse(&step)?;
+        at = CalibratedStructure { model: problem.model(&theta), covariance, converged, modes: known.modes };
+        if converged {
+            break;
+        }
+    }
+    Some(at)
+}
+
+/// Most steps of a calibration on whole spectra, …
+const FEW_STEPS: usize = 4;
+/// … and the share of every parameter's deviation below which a step ends it.
+const SETTLED: f64 = 0.1;
+
 struct Problem<'a> {
     declared: &'a CalibratedStructure,
     dynamics: &'a Dynamics,
@@ -274,7 +306,11 @@ impl Problem<'_> {
     fn weighted(&self, theta: &[f64], weight: &(dyn Fn(f64) -> f64 + Sync)) -> Step {
         let model = self.model(theta);
         let parts: Vec<Step> = self.runs.par_iter().map(|run| self.run_step(&model, run, weight)).collect();
-        let mut total = parts.iter().fold(Step::zero(theta.len()), Step::add);
+        self.beside_prior(theta, parts.iter().fold(Step::zero(theta.len()), Step::add))
+    }
+
+    /// With what is declared.
+    fn beside_prior(&self, theta: &[f64], mut total: Step) -> Step {
         for (p, value) in theta.iter().enumerate() {
             let precision = 1.0 / self.declared.covariance[p * theta.len() + p];
             total.cost += precision * value * value;

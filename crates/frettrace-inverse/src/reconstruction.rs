@@ -22,6 +22,10 @@ use whole::Beside;
 const CONSPICUOUS: f64 = 3.0;
 /// Share of that excess that may remain with the further unknown for it to be the answer.
 const LEFT: f64 = 0.05;
+/// Reduced chi-square of a run over its whole spectrum from which the structure is calibrated on such runs, …
+const OPEN: f64 = 1.44;
+/// … and that of all runs up to which it stays calibrated, where it does not take nearly all of the excess away.
+const CLOSED: f64 = 1.1;
 
 /// All that was recovered.
 #[derive(Clone, Debug)]
@@ -106,18 +110,32 @@ pub fn reconstruct(
         structure = calibrated(&structure, &equations);
     }
     structure.covariance = covariance_of((&declared, &structure), &dynamics, &equations, options);
-    let setting = Setting { splines: options.splines, ..setting(rig, &structure, &dynamics) };
-    let (solved, told): (Vec<Solved>, _) = rayon::join(
-        || {
-            let runs = equations.par_iter().zip(runs);
-            runs.map(|(equations, run)| Solved::of(rig, &setting, run, equations)).collect()
-        },
+    let with = |structure| Setting { splines: options.splines, ..setting(rig, structure, &dynamics) };
+    let solve = |setting: &Setting<'_>| -> Vec<Solved> {
+        let runs = equations.par_iter().zip(runs);
+        runs.map(|(equations, run)| Solved::of(rig, setting, run, equations)).collect()
+    };
+    let setting = with(&structure);
+    let (mut solved, told): (Vec<Solved>, _) = rayon::join(
+        || solve(&setting),
         || {
             let run = &equations[loudest(&lines)?];
             findings::of_balance(&setting, &run.with_loads(run.loads.clone()))
         },
     );
     findings.extend(told.filter(|finding| !finding.follows(&findings)));
+    let whole: Vec<_> =
+        runs.iter().zip(&equations).filter(|(_, run)| run.lines.form == Form::Aperiodic).collect();
+    if options.calibrate && rig.sensors.len() > wanted(rig).len() && is_open(&solved, &equations) {
+        // What periodic runs have told of the structure is known of it.
+        if let Some(calibrated) = whole::calibrated(rig, &structure, &dynamics, &whole) {
+            let again = solve(&with(&calibrated));
+            if is_closed_by(&solved, &again) {
+                (solved, structure) = (again, calibrated);
+            }
+        }
+    }
+    drop(whole);
     drop(equations);
     let finished = lines
         .into_par_iter()
@@ -145,6 +163,28 @@ impl Solved {
         let beside = whole::beside_lines(setting, equations);
         Self { balance: setting.balance(equations), beside, loads: equations.loads.clone() }
     }
+}
+
+/// χ² per degree of freedom of the balance of all runs.
+fn reduced(solved: &[Solved]) -> f64 {
+    let residual = |run: &Solved| {
+        (run.balance.residual.chi_square.iter().sum(), run.balance.residual.freedom.iter().sum())
+    };
+    let add = |sum: (f64, usize), run: (f64, usize)| (sum.0 + run.0, sum.1 + run.1);
+    let (chi, freedom) = solved.iter().map(residual).fold((0.0, 0), add);
+    chi / freedom.max(1) as f64
+}
+
+/// Whether the balance of a run without a period leaves more than noise that is stated a fifth too small.
+fn is_open(solved: &[Solved], equations: &[Equations<'_>]) -> bool {
+    let whole = solved.iter().zip(equations).filter(|(_, run)| run.lines.form == Form::Aperiodic);
+    whole.into_iter().any(|(run, _)| run.balance.residual.reduced() > OPEN)
+}
+
+/// Whether other runs leave nearly nothing of the excess of some.
+fn is_closed_by(open: &[Solved], closed: &[Solved]) -> bool {
+    let [open, closed] = [open, closed].map(reduced);
+    closed < open && (answered(open, closed) || closed <= CLOSED)
 }
 
 /// The periodic run with the strongest accelerations.

@@ -6,7 +6,7 @@ use frettrace_beam::{Boundary, UniformBeam};
 use frettrace_explain::{BALANCE_CLOSED_RUN, Case, DeclaredModes, Reading, RunSamples, Series};
 use frettrace_forward::accelerations::Rig;
 use frettrace_identify::contact::Family;
-use frettrace_inverse::{Form, RunReconstruction};
+use frettrace_inverse::{CalibratedStructure, Form, Reconstruction, RunReconstruction};
 use frettrace_measurement::{Measurement, SlipKind};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -31,6 +31,9 @@ pub fn recover_aperiodic(
     if let Some(better) = without_bent(case, measurement, &found) {
         found = better;
     }
+    if is_told_by_contacts(case) {
+        calibrate(&mut case.modes, &found.structure);
+    }
     let found = found.runs;
     for (record, run) in case.records.iter_mut().zip(&found) {
         if !record.periodic {
@@ -38,6 +41,26 @@ pub fn recover_aperiodic(
         }
     }
     Ok(found)
+}
+
+/// Modes as the inverse has calibrated them.
+fn calibrate(modes: &mut DeclaredModes, structure: &CalibratedStructure) {
+    let declared = [&mut modes.frequency, &mut modes.damping];
+    let found = [structure.model.natural_frequency(), structure.model.damping_ratio()];
+    for (values, found) in declared.into_iter().zip(found) {
+        values.iter_mut().zip(found).take(structure.modes).for_each(|(value, found)| *value = *found);
+    }
+    for mode in 0..structure.modes {
+        let known = [
+            (&mut modes.frequency_std, modes.frequency.get(mode), structure.frequency_std(mode)),
+            (&mut modes.damping_std, modes.damping.get(mode), structure.damping_std(mode)),
+        ];
+        for (stds, value, share) in known {
+            if let (Some(std), Some(value)) = (stds.get_mut(mode), value) {
+                *std = share * value;
+            }
+        }
+    }
 }
 
 /// Periodic runs, two that are fitted and one held out, below which a file is judged by what is recovered of the others.
@@ -54,8 +77,12 @@ pub(crate) fn runs(
     measurement: &Measurement,
     form: FormChoice,
 ) -> Result<Vec<RunReconstruction>, StudyError> {
+    Ok(inverse(measurement, form)?.runs)
+}
+
+fn inverse(measurement: &Measurement, form: FormChoice) -> Result<Reconstruction, StudyError> {
     let options = ReconstructOptions { form, ..ReconstructOptions::default() };
-    Ok(reconstruct(measurement, &options, &Progress::silent())?.inverse.runs)
+    Ok(reconstruct(measurement, &options, &Progress::silent())?.inverse)
 }
 
 /// Some runs of a measurement.
@@ -67,6 +94,7 @@ pub(crate) fn selected(measurement: &Measurement, of: &[usize]) -> Measurement {
 /// All runs of a measurement.
 struct Recovered {
     runs: Vec<RunReconstruction>,
+    structure: CalibratedStructure,
     /// χ² per degree of freedom of the balance of each: the least, where it was balanced on lines as well.
     reduced: Vec<f64>,
 }
@@ -86,7 +114,7 @@ fn on_bins(case: &Case) -> Vec<bool> {
 
 /// All runs of a measurement, over the whole spectrum those that are wanted bin by bin.
 fn recovered(measurement: &Measurement, on_bins: &[bool]) -> Result<Recovered, StudyError> {
-    let mut found = runs(measurement, FormChoice::Auto)?;
+    let Reconstruction { runs: mut found, structure, .. } = inverse(measurement, FormChoice::Auto)?;
     let mut reduced: Vec<f64> = found.iter().map(|run| run.balance.reduced()).collect();
     // What the inverse adds beside its lines is no run of bins.
     let on_lines = |k: &usize| found[*k].lines.form != Form::Aperiodic && on_bins[*k];
@@ -99,7 +127,7 @@ fn recovered(measurement: &Measurement, on_bins: &[bool]) -> Result<Recovered, S
             found[k] = whole;
         }
     }
-    Ok(Recovered { runs: found, reduced })
+    Ok(Recovered { runs: found, structure, reduced })
 }
 
 /// χ² per degree of freedom up to which the balance of a run that was open is closed.
@@ -149,10 +177,9 @@ fn without_bent(case: &mut Case, measurement: &Measurement, found: &Recovered) -
 /// Fewest sensors from which a contact is recovered.
 const LEAST_SENSORS: usize = 3;
 
-/// Sensors whose signal breaks off or is cut: what a periodic run lost is filled from its other periods, the others have none.
+/// Sensors whose signal breaks off or is cut.
 fn broken_off(case: &Case) -> BTreeSet<usize> {
-    let broken = |id: &str| matches!(id, "measurement.dropout" | "measurement.clipping");
-    case.faults.iter().filter(|fault| broken(fault.id)).map(|fault| fault.sensor).collect()
+    case.faults.iter().filter(|fault| fault.breaks_off()).map(|fault| fault.sensor).collect()
 }
 
 /// The measurement as its other sensors have it; whole where too few would be left.

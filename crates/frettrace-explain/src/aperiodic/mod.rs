@@ -10,6 +10,7 @@
 
 mod balance;
 mod exhibit;
+mod faults;
 mod motion;
 mod problem;
 mod run;
@@ -20,6 +21,7 @@ mod tone;
 mod wave;
 
 pub use exhibit::WholeExhibit;
+pub use faults::with_faults;
 pub use motion::{Motion, WholeRun};
 pub use tone::{BaseTone, ToneMotion, base_tone};
 
@@ -170,13 +172,20 @@ pub fn with_base_motion(
             experiment: effect.experiment(),
         },
     );
-    let of = |runs: &[usize]| {
-        balances.map(|of| sum(runs.iter().filter_map(|&k| Some(of_balance(case, k, of[k].as_ref()?)))))
-    };
-    outcome.error = of(&outcome.runs[0]);
-    outcome.held_out = outcome.held_out.map(|_| of(&outcome.runs[1]));
-    outcome.error_of = ErrorOf::Accelerations;
+    outcome.of_balances(case, balances);
     outcome
+}
+
+impl WholeOutcome {
+    /// Errors of the accelerations, as the balances of the runs have them before and after.
+    fn of_balances(&mut self, case: &Case, balances: [&[Option<WholeRun>]; 2]) {
+        let of = |runs: &[usize]| {
+            balances.map(|of| sum(runs.iter().filter_map(|&k| Some(of_balance(case, k, of[k].as_ref()?)))))
+        };
+        self.error = of(&self.runs[0]);
+        self.held_out = self.held_out.map(|_| of(&self.runs[1]));
+        self.error_of = ErrorOf::Accelerations;
+    }
 }
 
 /// Error, floor and power of the accelerations of a run, as its balance has them.

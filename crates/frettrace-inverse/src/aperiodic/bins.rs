@@ -160,6 +160,15 @@ impl Bin {
     }
 }
 
+#[cfg(test)]
+impl Bin {
+    /// What the forces leave of the measured accelerations, squared under the weights, with what their prior adds.
+    pub(super) fn measured_left(&self, solved: &Solved) -> f64 {
+        let taken = self.along[self.modes..].iter().zip(&solved.own).map(|(a, own)| (a.conj() * own).re);
+        self.product(&self.measured, &self.measured).re - taken.sum::<f64>()
+    }
+}
+
 impl Solved {
     /// Force of a load for the vector `d` in place of the accelerations.
     pub(super) fn taken(&self, load: usize, d: usize) -> Complex64 {

@@ -86,6 +86,12 @@ impl Known {
         }
     }
 
+    /// The exciter's lines with the accelerations that they make.
+    pub(super) fn of_force(lines: &RunLines, accelerations: Vec<Vec<f64>>) -> Self {
+        let exciter = alternating(&lines.force).sample(lines.sampling_rate, lines.samples);
+        Self { exciter, accelerations, ..Self::default() }
+    }
+
     /// What a run holds besides.
     pub(crate) fn taken_off(&self, run: &RunData<'_>, noise_std: &[f64]) -> Left {
         let less = |x: &[f64], known: &[f64]| x.iter().zip(known).map(|(x, k)| x - k).collect();

@@ -54,7 +54,7 @@ impl Whole<'_> {
     }
 
     /// Derivatives of the free decays of the calibrated modes, two a mode.
-    fn moved_decays(&self, round: &Round) -> Vec<Decay> {
+    pub(super) fn moved_decays(&self, round: &Round) -> Vec<Decay> {
         let modes = self.setting.structure.modes.min(self.record.modes);
         let model = &self.setting.structure.model;
         (0..2 * modes)
@@ -72,18 +72,24 @@ impl Whole<'_> {
         (decay, answered): (&Decay, &[Complex64]),
         round: &Round,
     ) -> Moved {
-        let (mode, kind) = (parameter / 2, parameter % 2);
-        let (bin, solved, model) = (&self.bins[k], &round.solved[k], &self.setting.structure.model);
+        let (mode, bin, solved) = (parameter / 2, &self.bins[k], &round.solved[k]);
         let omega = bin.line.omega();
-        let load = generalised_force(self.setting.dynamics, mode, bin.exciter, self.loads, answered);
-        let scale = [model.natural_frequency()[mode], model.damping_ratio()[mode]][kind];
-        let motion = model.modal_receptance_gradient(mode, omega)[kind] * scale * load;
+        let motion = self.motion((k, parameter), answered);
         let z = motion * (omega * omega) - decay.acceleration[k];
         let forces: Vec<Complex64> = (0..self.loads.len()).map(|u| solved.taken(u, mode) * z).collect();
         let mut outputs = self.outputs(&bin.line, Complex64::ZERO, &forces);
         let turned = motion * Complex64::new(0.0, omega);
         self.add_motion(mode, [motion + decay.displacement[k], turned + decay.velocity[k]], &mut outputs);
         Moved { z, outputs }
+    }
+
+    /// Derivative `∂g_n p_n` of a mode's coordinate in a bin under the forces that the structure answers.
+    pub(super) fn motion(&self, (k, parameter): (usize, usize), answered: &[Complex64]) -> Complex64 {
+        let (mode, kind) = (parameter / 2, parameter % 2);
+        let (bin, model) = (&self.bins[k], &self.setting.structure.model);
+        let load = generalised_force(self.setting.dynamics, mode, bin.exciter, self.loads, answered);
+        let scale = [model.natural_frequency()[mode], model.damping_ratio()[mode]][kind];
+        model.modal_receptance_gradient(mode, bin.line.omega())[kind] * scale * load
     }
 
     /// Change of the common unknowns, a row each, with each parameter.

@@ -2,12 +2,13 @@
 
 use super::{answered, asks, with_normal_reaction};
 use crate::analysis::bands;
-use crate::aperiodic::{Estimated, Known, Left};
-use crate::calibration::Equations;
+use crate::aperiodic::{Estimated, Known, Left, slopes};
+use crate::calibration::{CalibratedStructure, Equations, Step, calibrate_by};
 use crate::contact::{RunBalance, Setting};
-use crate::dynamics::Load;
+use crate::dynamics::{Dynamics, Load};
 use crate::{Rig, RunData};
 use frettrace_fourier::spectrum;
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Balance over the whole spectrum, and the loads it was made with: with the normal reaction free where the residual asks for it.
@@ -33,6 +34,21 @@ pub(super) fn solve(
         }
     }
     (bound, equations.loads.clone())
+}
+
+/// A structure that is known calibrated further on runs that are not periodic; `None` where they determine none.
+pub(super) fn calibrated(
+    rig: &Rig,
+    known: &CalibratedStructure,
+    dynamics: &Dynamics,
+    runs: &[(&RunData<'_>, &Equations<'_>)],
+) -> Option<CalibratedStructure> {
+    calibrate_by(known, dynamics, |structure| {
+        let setting = super::setting(rig, structure, dynamics);
+        let parts: Vec<Step> =
+            runs.par_iter().map(|(run, equations)| slopes(&setting, run, equations)).collect();
+        parts.iter().fold(Step::zero(2 * known.modes), Step::add)
+    })
 }
 
 /// What a periodic run holds beside its lines.

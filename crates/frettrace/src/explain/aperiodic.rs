@@ -7,8 +7,9 @@ use crate::results::{ErrorSummary, Explanation, Identification, NoiseFloorSource
 use crate::{Progress, StudyError, case};
 use frettrace_explain::aperiodic::{
     BaseTone, ErrorOf, Motion, Value, WholeOutcome, WholeRun, base_tone, explain_whole, with_base_motion,
+    with_faults,
 };
-use frettrace_explain::{Case, RunError};
+use frettrace_explain::{Case, ChannelFault, RunError};
 use frettrace_fourier::Harmonics;
 use frettrace_inverse::{Form, RunReconstruction};
 use frettrace_measurement::Measurement;
@@ -25,10 +26,15 @@ pub(super) fn explain(
         return Err(StudyError::ControlsWithoutPeriod);
     }
     let runs: Vec<Option<WholeRun>> = recovered.iter().map(whole).collect();
-    let outcome = match base_tone(case, &runs)? {
+    let mut outcome = match base_tone(case, &runs)? {
         Some(tone) => beside_base(measurement, (case, &runs), &tone)?,
         None => explain_whole(case, &case::samples(measurement), &runs)?,
     };
+    if case.faults.iter().any(ChannelFault::breaks_off) {
+        let all: Vec<Option<WholeRun>> =
+            case::runs(measurement, FormChoice::Aperiodic)?.iter().map(whole).collect();
+        outcome = with_faults(case, [&all, &runs], outcome);
+    }
     progress.step();
     progress.finish();
     Ok(explanation(measurement, options, &outcome))
