@@ -36,7 +36,10 @@ const SECOND_RUNS: usize = 4;
 /// Forms of a second look, its steps, and effects that are fitted to their end.
 const LOOKED: usize = 8;
 const PART: usize = 6;
-const ENDED: usize = 2;
+const ENDED: usize = 3;
+/// How often a model is fitted on, as long as each time leaves less than this share of its cost.
+const MORE: usize = 3;
+const SLOW: f64 = 0.9;
 /// Other starts of a law of many values that are tried, and those that get all steps.
 const STARTS: usize = 8;
 const MANY_VALUES: usize = 4;
@@ -282,7 +285,7 @@ impl Search<'_> {
     /// A model that leaves more than the noise, fitted further: from errors as they are without one, for those that went with a poorer one are
     /// not its own, and then with the further values of its last effect's shape, which may be another laboratory's.
     fn ended(&self, found: Fitted) -> Fitted {
-        let found = self.bettered(found.clone(), found);
+        let found = self.to_its_end(self.bettered(found.clone(), found));
         let mut richer = found.clone();
         let (Some(&effect), Some(own)) = (found.effects.last(), richer.added.last_mut()) else {
             return found;
@@ -293,7 +296,19 @@ impl Search<'_> {
         }
         richer.unknowns = merge(&found.unknowns, &brought);
         own.extend(brought);
-        self.bettered(found, richer)
+        self.to_its_end(self.bettered(found, richer))
+    }
+
+    /// A model fitted on as long as that takes a fair share of what it leaves.
+    fn to_its_end(&self, mut found: Fitted) -> Fitted {
+        for _ in 0..MORE {
+            let before = found.cost;
+            found = self.bettered(found.clone(), found);
+            if found.cost > SLOW * before {
+                break;
+            }
+        }
+        found
     }
 
     /// A model, or where that leaves more than the noise another one fitted to its end, if there is evidence for it.

@@ -34,8 +34,11 @@ impl Search<'_> {
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let of = |place: usize| (looked[place].effects.last().copied().unwrap_or_default(), ());
         few_of_each(&mut order, LOOKED, of);
-        order.truncate(LOOKED);
+        // Where a form has come in two steps says little of where it ends.
         let near: Vec<Fitted> = order.into_iter().map(|(_, place)| looked[place].clone()).collect();
+        let mut near = self.looked(&near, (&self.some(QUICK_RUNS), COARSE, PART));
+        near.sort_by(|a, b| (a.cost + a.values).total_cmp(&(b.cost + b.values)));
+        near.truncate(LOOKED);
         let second = best_of_each(self.looked(&near, (&self.some(SECOND_RUNS), FINE, PART)));
         let ended = |one: &Fitted| self.fitted(&self.with_waves(&one.waves), one, (ALL_STEPS, false));
         let used = |one: &Fitted| !self.is_idle(one);
