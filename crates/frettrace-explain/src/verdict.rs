@@ -24,6 +24,7 @@ mod steady;
 pub use open_runs::{SeenSupport, peak_from_rest};
 pub(crate) use outcome::faulty;
 pub use outcome::{Named, Outcome, Place, Tried, Verdict};
+pub(crate) use outside_rounds::DEVIATES;
 pub use steady::explain;
 
 /// Most effects named together.

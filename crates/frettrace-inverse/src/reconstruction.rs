@@ -24,8 +24,8 @@ const CONSPICUOUS: f64 = 3.0;
 const LEFT: f64 = 0.05;
 /// Reduced chi-square of a run over its whole spectrum from which the structure is calibrated on such runs, …
 const OPEN: f64 = 1.44;
-/// … and that of all runs up to which it stays calibrated, where it does not take nearly all of the excess away.
-const CLOSED: f64 = 1.1;
+/// … and the share of the excess that this may leave: what leaves more was bent to something else.
+const BENT: f64 = 0.3;
 
 /// All that was recovered.
 #[derive(Clone, Debug)]
@@ -181,10 +181,10 @@ fn is_open(solved: &[Solved], equations: &[Equations<'_>]) -> bool {
     whole.into_iter().any(|(run, _)| run.balance.residual.reduced() > OPEN)
 }
 
-/// Whether other runs leave nearly nothing of the excess of some.
+/// Whether the same runs with another structure leave little of what some leave beside the noise.
 fn is_closed_by(open: &[Solved], closed: &[Solved]) -> bool {
     let [open, closed] = [open, closed].map(reduced);
-    closed < open && (answered(open, closed) || closed <= CLOSED)
+    closed - 1.0 < BENT * (open - 1.0)
 }
 
 /// The periodic run with the strongest accelerations.

@@ -43,10 +43,11 @@ pub fn explain(
     progress.start(if options.controls > 0 { 3 } else { 2 }, "lines");
     let mut case = case::case(measurement)?;
     case.without.clone_from(&options.without);
+    let declared = case.modes.clone();
     let recovered = case::recover_aperiodic(&mut case, measurement)?;
     progress.step();
     if case::is_told_by_contacts(&case) {
-        return aperiodic::explain(measurement, options, (&case, &recovered), progress);
+        return aperiodic::explain(measurement, options, (&case, &declared, &recovered), progress);
     }
     let mut outcome = frettrace_explain::explain(&case)?;
     let shown = frettrace_explain::exhibits(&case, &outcome)?;

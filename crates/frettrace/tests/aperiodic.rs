@@ -55,7 +55,11 @@ fn explained(more: &str) -> Result<Explanation, StudyError> {
 }
 
 fn explained_with(more: &str, options: &ExplainOptions) -> Result<Explanation, StudyError> {
-    let rig = parse_rig(&format!("{RIG}{more}"), Path::new("rig.toml"))?;
+    explained_on(RIG, more, options)
+}
+
+fn explained_on(rig: &str, more: &str, options: &ExplainOptions) -> Result<Explanation, StudyError> {
+    let rig = parse_rig(&format!("{rig}{more}"), Path::new("rig.toml"))?;
     let made = simulate(&rig, &Progress::silent())?;
     explain(&Recording::Measurement(made.measurement), options, &Progress::silent())
 }
@@ -109,6 +113,66 @@ fn a_motion_of_the_base_is_named_without_a_period() {
     assert!((told["base_frequency"].value / (0.2393 * 93.7) - 1.0).abs() < 1e-3, "{told:?}");
     assert!((told["base_acceleration"].value / 0.7 - 1.0).abs() < 0.02, "{told:?}");
     is_near(&found, "mu_k", 0.24, 0.01);
+}
+
+/// The same with modes that are known to a thousandth, a fifth of the half-width of a resonance: no contact force closes the balance with what is
+/// declared of them, and what the runs say of them does.
+#[test]
+fn modes_within_their_deviations_are_calibrated_without_a_period() {
+    let loose = RIG.replace("frequency_relative_std = 2e-5", "frequency_relative_std = 1e-3");
+    assert_ne!(loose, RIG);
+    let found = explained_on(&loose, BEAT, &ExplainOptions::default()).unwrap();
+    assert_eq!((found.verdict, found.place), (Verdict::NothingMissing, None), "{:?}", found.notes);
+    is_near(&found, "mu_k", 0.24, 0.02);
+}
+
+/// A natural frequency ten of its deviations from where it was measured: no contact makes that, the balance that closes with another one tells which,
+/// and the structure is said to lack something.
+#[test]
+fn a_mode_beyond_its_deviation_is_no_contact_without_a_period() {
+    let quiet = RIG.replace("noise_std_m_per_s2 = 0.1", "noise_std_m_per_s2 = 0.02");
+    let loose = quiet.replace("frequency_relative_std = 2e-5", "frequency_relative_std = 2e-4");
+    let effect = "[[effect]]\nid = \"structure.modal-frequency\"\nmode = 2\nrelative_change = 0.002\n";
+    let found = explained_on(&loose, &format!("{BEAT}{effect}"), &ExplainOptions::default()).unwrap();
+    assert_eq!(
+        (found.verdict, found.place),
+        (Verdict::Unexplained, Some(Place::Structure)),
+        "{:?}",
+        found.notes
+    );
+    assert!(found.notes.iter().any(|note| note.contains("natural frequency of mode 2")), "{:?}", found.notes);
+}
+
+/// A sensor that reads nothing for a part of every record: the contact is recovered without it, and that it breaks off is named with what the balance of
+/// the accelerations gains; where it is not asked for, the measurement lacks what has no name.
+#[test]
+fn a_sensor_that_breaks_off_is_named_without_a_period() {
+    let effect =
+        "[[effect]]\nid = \"measurement.dropout\"\nsensor = 1\nstart_share = 0.4\nlength_share = 0.05\n";
+    let found = explained(&format!("{BEAT}{effect}")).unwrap();
+    assert_eq!(
+        (found.verdict, found.place),
+        (Verdict::Explained, Some(Place::Measurement)),
+        "{:?}",
+        found.notes
+    );
+    assert_eq!(names(&found), ["measurement.dropout"]);
+    assert_eq!(found.effects[0].sensor, Some(1));
+    let held_out = found.held_out.unwrap();
+    for [before, after, floor] in [
+        [found.error.before, found.error.after, found.error.noise_floor],
+        [held_out.before, held_out.after, held_out.noise_floor],
+    ] {
+        assert!(after < 1.2 * floor && before > 5.0 * floor, "{before} {after} {floor}");
+    }
+    let without = ExplainOptions { without: vec!["measurement.dropout".into()], ..ExplainOptions::default() };
+    let found = explained_with(&format!("{BEAT}{effect}"), &without).unwrap();
+    assert_eq!(
+        (found.verdict, found.place),
+        (Verdict::Unexplained, Some(Place::Measurement)),
+        "{:?}",
+        found.notes
+    );
 }
 
 /// A stop that the beam reaches in the loudest run alone, which has no period: all periodic runs lack nothing, and a force at the stop closes

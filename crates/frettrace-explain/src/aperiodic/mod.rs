@@ -11,6 +11,7 @@
 mod balance;
 mod exhibit;
 mod faults;
+mod modes;
 mod motion;
 mod problem;
 mod run;
@@ -22,6 +23,7 @@ mod wave;
 
 pub use exhibit::WholeExhibit;
 pub use faults::with_faults;
+pub use modes::beside_declared;
 pub use motion::{Motion, WholeRun};
 pub use tone::{BaseTone, ToneMotion, base_tone};
 

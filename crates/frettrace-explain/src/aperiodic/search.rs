@@ -369,7 +369,7 @@ impl Search<'_> {
     /// What a reader must know.
     pub fn remark(&mut self, complete: bool, verdict: Verdict, error: &RunError) {
         self.notes.push(format!(
-            "fewer than three runs are periodic, so that no waveform is predicted: errors are those of the contact force, recovered over the whole spectrum without a law ({} of {} runs), against the law's answer to the recovered motion, relative, in the bins that the sensors know",
+            "fewer than three runs are periodic, so that no waveform is predicted: the contact is recovered over the whole spectrum without a law ({} of {} runs), and the law asked for its force",
             self.training.len() + self.held_out.len(),
             self.case.records.len()
         ));

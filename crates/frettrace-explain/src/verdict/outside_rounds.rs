@@ -27,7 +27,7 @@ const TOGETHER: usize = 60;
 
 /// Deviations, its own and the declared one together, from which a natural frequency is another than declared: chance brings that to one of 800
 /// rigs with twenty modes, and right models of simulated rigs come to 3.3.
-const DEVIATES: f64 = 4.0;
+pub(crate) const DEVIATES: f64 = 4.0;
 
 /// Displacement at which a cubic spring yields, over the largest on the beam: the least, where a fit starts, and the most. One that yields below
 /// half the motion is a linear one.

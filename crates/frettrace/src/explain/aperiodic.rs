@@ -6,10 +6,10 @@ use crate::reconstruct::FormChoice;
 use crate::results::{ErrorSummary, Explanation, Identification, NoiseFloorSource};
 use crate::{Progress, StudyError, case};
 use frettrace_explain::aperiodic::{
-    BaseTone, ErrorOf, Motion, Value, WholeOutcome, WholeRun, base_tone, explain_whole, with_base_motion,
-    with_faults,
+    BaseTone, ErrorOf, Motion, Value, WholeOutcome, WholeRun, base_tone, beside_declared, explain_whole,
+    with_base_motion, with_faults,
 };
-use frettrace_explain::{Case, ChannelFault, RunError};
+use frettrace_explain::{Case, ChannelFault, DeclaredModes, RunError};
 use frettrace_fourier::Harmonics;
 use frettrace_inverse::{Form, RunReconstruction};
 use frettrace_measurement::Measurement;
@@ -19,7 +19,7 @@ use num_complex::Complex64;
 pub(super) fn explain(
     measurement: &Measurement,
     options: &ExplainOptions,
-    (case, recovered): (&Case, &[RunReconstruction]),
+    (case, declared, recovered): (&Case, &DeclaredModes, &[RunReconstruction]),
     progress: &Progress,
 ) -> Result<Explanation, StudyError> {
     if options.controls > 0 {
@@ -35,9 +35,23 @@ pub(super) fn explain(
             case::runs(measurement, FormChoice::Aperiodic)?.iter().map(whole).collect();
         outcome = with_faults(case, [&all, &runs], outcome);
     }
+    outcome = beside_declared(case, declared, outcome);
+    outcome.notes.push(errors(outcome.error_of).to_owned());
     progress.step();
     progress.finish();
     Ok(explanation(measurement, options, &outcome))
+}
+
+/// What the errors of an outcome are errors of.
+fn errors(of: ErrorOf) -> &'static str {
+    match of {
+        ErrorOf::Force => {
+            "errors are those of the recovered contact force against the law's answer to the recovered motion, relative, in the bins that the sensors know"
+        }
+        ErrorOf::Accelerations => {
+            "errors are those of the accelerations, relative, as their balance without a law has them"
+        }
+    }
 }
 
 /// Explains what is left beside a motion of the base: taken out of the accelerations before the contact is recovered, and put to the motion of the
