@@ -27,7 +27,7 @@ const QUICK: f64 = 1.0;
 /// that snap, and a wear whose course the runs held out had to tell; modulations of the preload that the mean of a bristle carries, twice, and one without a
 /// line in the quietest run; a stop that only a run without a period reaches, one whose gap was held to where recovered runs rest, a support whose
 /// curve four terms carry from where two have come to, and a wear that the fitted runs did not tell from an ageing.
-const MENDED: [(u64, &str); 65] = [
+const MENDED: [(u64, &str); 68] = [
     (251, "clean 2 lugre rotation"),
     (251, "structure.quadratic-damping 1 hybrid transverse"),
     (251, "unlisted:structure/even-stiffness 1 dahl transverse"),
@@ -93,6 +93,9 @@ const MENDED: [(u64, &str); 65] = [
     (314, "friction.wear 2 hybrid transverse"),
     (314, "contact.backlash 1 dahl transverse"),
     (315, "measurement.dropout 2 stribeck transverse"),
+    (313, "friction.lag/saturating 1 lugre rotation"),
+    (315, "friction.wear/settling 1 hybrid rotation"),
+    (315, "structure.modal-damping 1 dahl rotation"),
 ];
 
 fn run() -> anyhow::Result<Outcome> {

@@ -1,11 +1,12 @@
 //! One effect more outside the contact.
 
+use super::asked_again::LEFT;
 use super::finer::{MOST_TAKEN, NEAR};
 use super::rules::helps;
 use super::{BALANCE_CALIBRATED, BALANCE_CLOSED, EVIDENCE, PROXY, Rival, Search, Tried};
 use crate::balance_fit::BalanceCandidate;
 use crate::contact_search::ContactCandidate;
-use crate::effects::{ALL, listed};
+use crate::effects::{ALL, EffectPlace, listed};
 use crate::force_laws::{CUBIC_BELOW, thresholds};
 use crate::search::{Asked, Explained};
 use crate::study::merge;
@@ -168,6 +169,51 @@ impl Search<'_> {
             Ok(better) if better.criterion + EVIDENCE < found.criterion => better,
             _ => found,
         }
+    }
+
+    /// A single complete name of the contact that leaves more than the noise, or what it is known to be mistaken for outside the contact, where that explains
+    /// better: the balance, which no law takes part in, may not tell the two apart, so that nobody has asked.
+    pub(super) fn against_outsiders(&mut self, baseline: &Explained, model: Explained) -> Explained {
+        let exact = model.left().is_noise() && model.ratio <= LEFT;
+        if !model.is_single() || exact || ALL[model.effects[0]].place() != EffectPlace::Contact {
+            return model;
+        }
+        let (case, setting) = (self.study.case, self.declared_start(baseline));
+        let outside = |&effect: &usize| {
+            let (id, place) = (ALL[effect].id(), ALL[effect].place());
+            place != EffectPlace::Contact && case.allows(id) && self.tried.iter().all(|tried| tried.id != id)
+        };
+        let rivals: Vec<usize> =
+            ALL[model.effects[0]].rivals().iter().filter_map(|id| listed(id)).filter(outside).collect();
+        let candidates = rivals.into_iter().flat_map(|effect| {
+            let forms = ALL[effect].structure_forms(case, &setting, &self.study.scales);
+            forms.into_iter().map(move |form| BalanceCandidate {
+                effect,
+                sensor: form.sensor,
+                setting: form.setting,
+                unknowns: form.unknowns,
+                criterion: baseline.criterion,
+                reduced: f64::NAN,
+            })
+        });
+        let candidates: Vec<BalanceCandidate> = candidates.collect();
+        let asked = candidates.par_iter().map(|candidate| self.asked(baseline, candidate)).collect();
+        let found = self.answered(asked).into_iter().filter(Explained::complete);
+        let Some(mut other) = found.min_by(|a, b| a.criterion.total_cmp(&b.criterion)) else { return model };
+        other.book(baseline);
+        let behind = other.criterion - model.criterion;
+        let error = self.study.error(&other.fitted, &self.study.training).relative();
+        let [id, name] = [&other, &model].map(|one| ALL[one.effects[0]].id());
+        // Evidence is that over the declared model as it was when the contact was asked.
+        let known = self.tried.iter().find(|tried| tried.id == name);
+        let evidence = known.map_or(baseline.criterion - model.criterion, |tried| tried.evidence) - behind;
+        self.tried.push(Tried { id, error, evidence });
+        if behind + EVIDENCE < 0.0 {
+            self.rivals = Rival::of_better(&other, (&model, std::mem::take(&mut self.rivals)));
+            return other;
+        }
+        self.rivals.extend(Rival::of(&other, behind));
+        model
     }
 
     /// A model that is complete with a mode at the end of what was declared of it, with that mode released: law and modes together may
