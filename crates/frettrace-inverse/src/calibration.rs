@@ -59,6 +59,9 @@ impl CalibratedStructure {
     #[must_use]
     pub fn roots(&self) -> Vec<Vec<f64>> {
         let n = 2 * self.modes;
+        if n == 0 {
+            return Vec::new();
+        }
         let Ok(eigen) = Mat::from_fn(n, n, |i, k| self.covariance[i * n + k]).self_adjoint_eigen(Side::Lower)
         else {
             return Vec::new();

@@ -126,7 +126,8 @@ pub fn reconstruct(
     findings.extend(told.filter(|finding| !finding.follows(&findings)));
     let whole: Vec<_> =
         runs.iter().zip(&equations).filter(|(_, run)| run.lines.form == Form::Aperiodic).collect();
-    if options.calibrate && rig.sensors.len() > wanted(rig).len() && is_open(&solved, &equations) {
+    let may_move = options.calibrate && structure.modes > 0 && rig.sensors.len() > wanted(rig).len();
+    if may_move && is_open(&solved, &equations) {
         // What periodic runs have told of the structure is known of it.
         if let Some(calibrated) = whole::calibrated(rig, &structure, &dynamics, &whole) {
             let again = solve(&with(&calibrated));
@@ -177,8 +178,8 @@ fn reduced(solved: &[Solved]) -> f64 {
 
 /// Whether the balance of a run without a period leaves more than noise that is stated a fifth too small.
 fn is_open(solved: &[Solved], equations: &[Equations<'_>]) -> bool {
-    let whole = solved.iter().zip(equations).filter(|(_, run)| run.lines.form == Form::Aperiodic);
-    whole.into_iter().any(|(run, _)| run.balance.residual.reduced() > OPEN)
+    let mut whole = solved.iter().zip(equations).filter(|(_, run)| run.lines.form == Form::Aperiodic);
+    whole.any(|(run, _)| run.balance.residual.reduced() > OPEN)
 }
 
 /// Whether the same runs with another structure leave little of what some leave beside the noise.

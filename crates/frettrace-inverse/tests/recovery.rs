@@ -151,6 +151,20 @@ fn modes_that_are_off_are_mended_without_a_period() {
     }
 }
 
+/// Where nobody measured a mode, none may move: a balance that a sensor elsewhere leaves open stays so.
+#[test]
+fn modes_that_nobody_measured_stay_without_a_period() {
+    let oracle = Oracle::new(STIFFNESS, &SENSORS);
+    let beat = |t: f64| friction(t) + 10.0 * (TAU * FREQUENCY * 1.46 * t).cos();
+    let record = recorded(&oracle, &Loads { friction: &beat, ..plain() }, 2.5);
+    let mut rig = oracle.declared(&SENSORS, NOISE, 0, 0.0);
+    rig.sensors[2].position += 0.05;
+    let found = solve(&rig, &record);
+    assert_eq!(found.runs[0].lines.form, Form::Aperiodic);
+    assert!(found.runs[0].balance.reduced() > 1.5, "{}", found.runs[0].balance.reduced());
+    assert_eq!(found.structure.model.natural_frequency(), rig.structure.natural_frequency());
+}
+
 /// A periodic run over its whole spectrum says what its lines say: they differ by no more than both are allowed to miss the truth by.
 #[test]
 fn the_whole_spectrum_agrees_with_the_lines() {

@@ -54,10 +54,14 @@ impl Estimated<'_> {
     fn slopes(&self, exciter: &Harmonics) -> Step {
         let (whole, round) = (&self.whole, &self.round);
         let decays = whole.moved_decays(round);
+        let mut step = Step::zero(2 * whole.setting.structure.modes);
+        if decays.is_empty() {
+            // No mode that may move lies within the band.
+            return step;
+        }
         let of_lines = whole.moved_lines(exciter, decays.len());
         let (parameters, unknowns) = (decays.len(), round.common.len());
         let sums = whole.slopes((&decays, &of_lines), round);
-        let mut step = Step::zero(2 * whole.setting.structure.modes);
         let size = step.gradient.len();
         for p in 0..parameters {
             step.gradient[p] = sums.gradient[p];
