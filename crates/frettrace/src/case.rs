@@ -77,11 +77,11 @@ pub(crate) fn runs(
     measurement: &Measurement,
     form: FormChoice,
 ) -> Result<Vec<RunReconstruction>, StudyError> {
-    Ok(inverse(measurement, form)?.runs)
+    let options = ReconstructOptions { form, ..ReconstructOptions::default() };
+    Ok(inverse(measurement, options)?.runs)
 }
 
-fn inverse(measurement: &Measurement, form: FormChoice) -> Result<Reconstruction, StudyError> {
-    let options = ReconstructOptions { form, ..ReconstructOptions::default() };
+fn inverse(measurement: &Measurement, options: ReconstructOptions) -> Result<Reconstruction, StudyError> {
     Ok(reconstruct(measurement, &options, &Progress::silent())?.inverse)
 }
 
@@ -114,15 +114,18 @@ fn on_bins(case: &Case) -> Vec<bool> {
 
 /// All runs of a measurement, over the whole spectrum those that are wanted bin by bin.
 fn recovered(measurement: &Measurement, on_bins: &[bool]) -> Result<Recovered, StudyError> {
-    let Reconstruction { runs: mut found, structure, .. } = inverse(measurement, FormChoice::Auto)?;
+    let Reconstruction { runs: mut found, structure, .. } =
+        inverse(measurement, ReconstructOptions::default())?;
     let mut reduced: Vec<f64> = found.iter().map(|run| run.balance.reduced()).collect();
     // What the inverse adds beside its lines is no run of bins.
     let on_lines = |k: &usize| found[*k].lines.form != Form::Aperiodic && on_bins[*k];
     let missing: Vec<usize> = (0..found.len()).filter(on_lines).collect();
     if !missing.is_empty() {
         let part = selected(measurement, &missing);
-        // Over the whole spectrum no run asks for another one.
-        for (k, whole) in missing.into_iter().zip(runs(&part, FormChoice::Aperiodic)?) {
+        // Beside periodic runs what is recovered of the others is judged with what is declared.
+        let as_declared = !on_bins.iter().all(|on_bins| *on_bins);
+        let options = ReconstructOptions { form: FormChoice::Aperiodic, as_declared, splines: false };
+        for (k, whole) in missing.into_iter().zip(inverse(&part, options)?.runs) {
             reduced[k] = reduced[k].min(whole.balance.reduced());
             found[k] = whole;
         }

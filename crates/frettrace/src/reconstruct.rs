@@ -22,6 +22,8 @@ pub struct ReconstructOptions {
     pub form: FormChoice,
     /// Smooth the friction force of periodic runs by a periodic spline.
     pub splines: bool,
+    /// Keep the structure as it is declared.
+    pub as_declared: bool,
 }
 
 /// A reconstruction: what goes into the file, and the structure it rests on.
@@ -69,7 +71,12 @@ pub fn reconstruct(
     progress.start(1, "reconstructing");
     let rig = rig(measurement)?;
     let runs: Vec<RunData<'_>> = measurement.runs.iter().map(run_data).collect();
-    let options = Options { form: options.form, splines: options.splines, ..Options::default() };
+    let options = Options {
+        form: options.form,
+        calibrate: !options.as_declared,
+        splines: options.splines,
+        ..Options::default()
+    };
     let inverse = frettrace_inverse::reconstruct(&rig, &runs, &options)?;
     let runs = inverse
         .runs

@@ -65,7 +65,7 @@ fn compared(folder: &Path) -> anyhow::Result<Vec<(String, Vec<f64>)>> {
             let errors = WAYS
                 .iter()
                 .map(|&(_, form, splines)| {
-                    let options = ReconstructOptions { form, splines };
+                    let options = ReconstructOptions { form, splines, as_declared: false };
                     let found = reconstruct(&measurement, &options, &Progress::silent())?;
                     let runs = found.result.runs.iter().map(|run| {
                         let place = format!("/runs/{}/friction_force", run.id);

@@ -60,7 +60,7 @@ pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
     };
     let found = frettrace::reconstruct::reconstruct(
         &measurement,
-        &ReconstructOptions { form, splines: arguments.splines },
+        &ReconstructOptions { form, splines: arguments.splines, as_declared: false },
         &session.progress,
     )?;
     frettrace_measurement::write_reconstruction(&arguments.output, &found.result)?;
