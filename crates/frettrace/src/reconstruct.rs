@@ -71,12 +71,7 @@ pub fn reconstruct(
     progress.start(1, "reconstructing");
     let rig = rig(measurement)?;
     let runs: Vec<RunData<'_>> = measurement.runs.iter().map(run_data).collect();
-    let options = Options {
-        form: options.form,
-        calibrate: !options.as_declared,
-        splines: options.splines,
-        ..Options::default()
-    };
+    let options = Options { form: options.form, calibrate: !options.as_declared, splines: options.splines };
     let inverse = frettrace_inverse::reconstruct(&rig, &runs, &options)?;
     let runs = inverse
         .runs
