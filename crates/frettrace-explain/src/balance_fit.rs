@@ -34,6 +34,12 @@ pub(crate) struct BalanceCandidate {
 }
 
 impl BalanceCandidate {
+    /// A form of an effect that no balance was fitted with, for the whole model to be asked with it.
+    pub fn unfitted(effect: usize, form: StructureForm, criterion: f64) -> Self {
+        let StructureForm { setting, unknowns, sensor } = form;
+        Self { effect, sensor, setting, unknowns, criterion, reduced: f64::NAN }
+    }
+
     /// What forms have in common that only the whole model tells apart: the effect, whether it moves one mode or all of them, and
     /// whether a drift settles.
     pub fn kind(&self) -> (usize, [bool; 2]) {

@@ -24,6 +24,8 @@ mod ends;
 mod known;
 mod outcome;
 mod power;
+#[cfg(test)]
+mod rigs;
 mod sources;
 mod structure;
 

@@ -31,12 +31,10 @@ pub fn with_faults(
     }
     let [(open, _), (closed, _)] = [&with, &without].map(|runs| balance::reduced(runs));
     if found.iter().any(|fault| !case.allows(fault.id)) {
-        outcome.notes.push(format!(
+        let note = format!(
             "a sensor breaks off: without it the balance closes (χ² per degree of freedom {closed:.2}, {open:.2} with it)"
-        ));
-        outcome.verdict = Verdict::Unexplained;
-        outcome.place = Some(EffectPlace::Measurement);
-        outcome.effects.clear();
+        );
+        outcome.left_open(EffectPlace::Measurement, note);
         return outcome;
     }
     for fault in &found {

@@ -188,6 +188,14 @@ impl WholeOutcome {
         self.held_out = self.held_out.map(|_| of(&self.runs[1]));
         self.error_of = ErrorOf::Accelerations;
     }
+
+    /// Something is missing there that has no name.
+    fn left_open(&mut self, place: EffectPlace, note: String) {
+        self.verdict = Verdict::Unexplained;
+        self.effects.clear();
+        self.place = Some(place);
+        self.notes.push(note);
+    }
 }
 
 /// Error, floor and power of the accelerations of a run, as its balance has them.

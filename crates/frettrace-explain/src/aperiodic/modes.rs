@@ -35,11 +35,7 @@ pub fn beside_declared(case: &Case, declared: &DeclaredModes, mut outcome: Whole
     if strained.is_empty() || outcome.verdict == Verdict::Unexplained {
         return outcome;
     }
-    outcome
-        .notes
-        .push(format!("the balance closes with other modes than were declared: {}", strained.join(", ")));
-    outcome.verdict = Verdict::Unexplained;
-    outcome.place = Some(EffectPlace::Structure);
-    outcome.effects.clear();
+    let note = format!("the balance closes with other modes than were declared: {}", strained.join(", "));
+    outcome.left_open(EffectPlace::Structure, note);
     outcome
 }

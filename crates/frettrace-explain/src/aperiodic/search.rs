@@ -62,6 +62,11 @@ pub(super) struct Fitted {
 }
 
 impl Fitted {
+    /// What models that were fitted to a few runs are ranked by.
+    pub fn rank(&self) -> f64 {
+        self.cost + self.values
+    }
+
     pub fn criterion(&self, count: f64) -> f64 {
         self.cost + self.values * count.ln()
     }

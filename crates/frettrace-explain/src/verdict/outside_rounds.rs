@@ -187,14 +187,7 @@ impl Search<'_> {
             ALL[model.effects[0]].rivals().iter().filter_map(|id| listed(id)).filter(outside).collect();
         let candidates = rivals.into_iter().flat_map(|effect| {
             let forms = ALL[effect].structure_forms(case, &setting, &self.study.scales);
-            forms.into_iter().map(move |form| BalanceCandidate {
-                effect,
-                sensor: form.sensor,
-                setting: form.setting,
-                unknowns: form.unknowns,
-                criterion: baseline.criterion,
-                reduced: f64::NAN,
-            })
+            forms.into_iter().map(move |form| BalanceCandidate::unfitted(effect, form, baseline.criterion))
         });
         let candidates: Vec<BalanceCandidate> = candidates.collect();
         let asked = candidates.par_iter().map(|candidate| self.asked(baseline, candidate)).collect();
@@ -296,14 +289,7 @@ impl Search<'_> {
         let (case, setting) = (self.study.case, &current.fitted.setting);
         let forms = ALL[effect].structure_forms(case, setting, &self.study.scales);
         let form = forms.into_iter().find(|form| form.unknowns[0].quantity == quantity)?;
-        Some(BalanceCandidate {
-            effect,
-            sensor: None,
-            setting: form.setting,
-            unknowns: form.unknowns,
-            criterion: current.criterion,
-            reduced: f64::NAN,
-        })
+        Some(BalanceCandidate::unfitted(effect, form, current.criterion))
     }
 
     /// Effects outside the contact that bring χ² per degree of freedom of the balance below `limit`.

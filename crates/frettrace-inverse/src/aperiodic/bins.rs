@@ -216,34 +216,18 @@ fn inverse(mut matrix: Vec<Complex64>, n: usize) -> Vec<Complex64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::rigs::rig;
     use super::*;
+    use crate::Dynamics;
     use crate::balance::{LineBalance, LineData};
     use crate::calibration::CalibratedStructure;
-    use crate::{Dynamics, Rig, Sensor, Slip};
-    use frettrace_beam::{Boundary, ModalModel, ModalOptions, UniformBeam};
     use std::sync::OnceLock;
-
-    fn rig() -> Rig {
-        let beam = UniformBeam::rectangular(0.7, [0.03, 0.006], 2.05e11, 7850.0);
-        let options = ModalOptions { modes: 12, damping_ratio: vec![0.01], ..ModalOptions::default() };
-        let sensor = |position| Sensor { position, noise_std: None };
-        Rig {
-            structure: ModalModel::new(&beam, &Boundary::spring(1e5), &options).unwrap(),
-            trust: Vec::new(),
-            beam_modes: 12,
-            slip: Slip::Rotation { lever_arm: 3e-3 },
-            normal_stiffness: 1e5,
-            second_support: None,
-            exciter: 0.28,
-            sensors: [0.11, 0.22, 0.33, 0.45, 0.56].map(sensor).into(),
-        }
-    }
 
     /// Products once multiplied out say what the orthogonal factorisation of [`LineBalance`] says: forces, covariance and what is
     /// left of the accelerations, with a prior and without.
     #[test]
     fn products_agree_with_the_factorisation() {
-        let rig = rig();
+        let rig = rig(12, 0.01, 0);
         let dynamics = Dynamics::new(&rig);
         let structure = CalibratedStructure::declared(rig.structure.clone(), &[]);
         let setting = Setting {

@@ -188,13 +188,13 @@ impl Whole<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::rigs::rig;
     use super::super::{Left, Whole};
     use super::Known;
+    use crate::Dynamics;
     use crate::calibration::CalibratedStructure;
     use crate::contact::Setting;
     use crate::dynamics::Load;
-    use crate::{Dynamics, ModeTrust, Rig, Sensor, Slip};
-    use frettrace_beam::{Boundary, ModalModel, ModalOptions, UniformBeam};
     use frettrace_fourier::Harmonics;
     use num_complex::Complex64;
     use std::sync::OnceLock;
@@ -202,27 +202,11 @@ mod tests {
     const RATE: f64 = 1024.0;
     const SAMPLES: usize = 400;
 
-    fn rig() -> Rig {
-        let beam = UniformBeam::rectangular(0.7, [0.03, 0.006], 2.05e11, 7850.0);
-        let options = ModalOptions { modes: 8, damping_ratio: vec![0.02], ..ModalOptions::default() };
-        let sensor = |position| Sensor { position, noise_std: Some(0.05) };
-        Rig {
-            structure: ModalModel::new(&beam, &Boundary::spring(1e5), &options).unwrap(),
-            trust: vec![ModeTrust { frequency: 1e-3, damping: 1e-2 }; 3],
-            beam_modes: 8,
-            slip: Slip::Rotation { lever_arm: 3e-3 },
-            normal_stiffness: 1e5,
-            second_support: None,
-            exciter: 0.28,
-            sensors: [0.11, 0.22, 0.33, 0.45, 0.56].map(sensor).into(),
-        }
-    }
-
     /// What is left of noise under given powers of the force, and of the exciter's line: `‖r‖²` with the forces and the common unknowns under
     /// their priors. Its derivatives by the parameters are twice `Zᵀr`, by central differences of 1e-6.
     #[test]
     fn slopes_are_differences_of_what_is_left() {
-        let rig = rig();
+        let rig = rig(8, 0.02, 3);
         let dynamics = Dynamics::new(&rig);
         let declared = CalibratedStructure::declared(rig.structure.clone(), &rig.trust);
         let wave =

@@ -30,14 +30,14 @@ impl Search<'_> {
         }
         let looked = self.looked(&begun, (&self.some(QUICK_RUNS), COARSE, GLANCE));
         let mut order: Vec<(f64, usize)> =
-            looked.iter().enumerate().map(|(place, one)| (one.cost + one.values, place)).collect();
+            looked.iter().enumerate().map(|(place, one)| (one.rank(), place)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let of = |place: usize| (looked[place].effects.last().copied().unwrap_or_default(), ());
         few_of_each(&mut order, LOOKED, of);
         // Where a form has come in two steps says little of where it ends.
         let near: Vec<Fitted> = order.into_iter().map(|(_, place)| looked[place].clone()).collect();
         let mut near = self.looked(&near, (&self.some(QUICK_RUNS), COARSE, PART));
-        near.sort_by(|a, b| (a.cost + a.values).total_cmp(&(b.cost + b.values)));
+        near.sort_by(|a, b| a.rank().total_cmp(&b.rank()));
         near.truncate(LOOKED);
         let second = best_of_each(self.looked(&near, (&self.some(SECOND_RUNS), FINE, PART)));
         let ended = |one: &Fitted| self.fitted(&self.with_waves(&one.waves), one, (ALL_STEPS, false));
@@ -98,8 +98,7 @@ impl Search<'_> {
 
 /// The best form of each effect, the best first.
 fn best_of_each(mut found: Vec<Fitted>) -> Vec<Fitted> {
-    let cost = |one: &Fitted| one.cost + one.values;
-    found.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+    found.sort_by(|a, b| a.rank().total_cmp(&b.rank()));
     let mut best: Vec<Fitted> = Vec::new();
     for one in found {
         if best.iter().all(|other| other.effects != one.effects) {
