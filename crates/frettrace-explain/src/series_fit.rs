@@ -168,6 +168,8 @@ pub(crate) struct SeriesContact {
     /// Bins compared: index and standard deviation.
     bins: Vec<(usize, f64)>,
     measured: Vec<Complex64>,
+    /// χ² per residual that counts for a model which the run does not judge.
+    silent: f64,
 }
 
 impl SeriesContact {
@@ -183,7 +185,7 @@ impl SeriesContact {
         let size: f64 = known.iter().map(|&k| measured[k].norm_sqr()).sum();
         let least = ACCURACY * (0.5 * size / known.len().max(1) as f64).sqrt();
         let bins = known.iter().map(|&k| (k, deviation(k).hypot(least))).collect::<Vec<_>>();
-        (!bins.is_empty()).then_some(Self { series, trial, circumstance, bins, measured })
+        (!bins.is_empty()).then_some(Self { series, trial, circumstance, bins, measured, silent: 1.0 })
     }
 
     fn answer<T: Scalar>(&self, law: &ModifiedLaw<T>) -> Vec<T> {
@@ -196,11 +198,23 @@ impl SeriesContact {
         2 * self.bins.len()
     }
 
-    /// Recovered minus answered force over the standard deviations; one standard deviation in every value, whatever the law, where that asks
-    /// for the phase of a clock: a run without a period has none to share with the others.
+    /// The same with what counts for a model that it does not judge: as much as the declared `law` leaves, which is the noise or less than that
+    /// where the deviations are those of a method that did better, and one per residual at most. Beside models that are judged it is no evidence
+    /// for one or the other.
+    pub fn silenced(&self, law: &ModifiedLaw<f64>) -> Self {
+        Self { silent: (self.cost(law) / self.count() as f64).min(1.0), ..self.clone() }
+    }
+
+    /// χ² that counts for a model which the run does not judge.
+    pub fn silent_cost(&self) -> f64 {
+        self.silent * self.count() as f64
+    }
+
+    /// Recovered minus answered force over the standard deviations; the same in every value, whatever the law, where that asks for the phase of a
+    /// clock: a run without a period has none to share with the others.
     pub fn residual(&self, law: &ModifiedLaw<f64>, out: &mut [f64]) {
         if asks_the_clock(law) {
-            out.fill(1.0);
+            out.fill(self.silent.sqrt());
         } else {
             self.left(&self.answer(law), out);
         }

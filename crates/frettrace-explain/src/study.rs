@@ -14,6 +14,7 @@ use frettrace_forward::accelerations::{
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 use frettrace_identify::{Fit, FitSettings, IdentifyError, fit_with_memory};
 use num_complex::Complex64;
+use rayon::prelude::*;
 use std::sync::Arc;
 
 mod creep;
@@ -219,13 +220,18 @@ impl<'a> Study<'a> {
     }
 
     /// χ² of the law on the runs that are not periodic. They were recovered with what is declared: where a model has another
-    /// structure, excitation or sensor, they tell nothing of its law, and count as a law's would that is right.
+    /// structure, excitation or sensor, they tell nothing of its law, and count as the declared one's did, which is no more than a right one's.
     pub(crate) fn series_cost(&self, setting: &Setting) -> f64 {
         if as_declared(setting) {
             self.series.iter().map(|(_, contact)| contact.cost(&setting.law)).sum()
         } else {
-            self.series.iter().map(|(_, contact)| contact.count() as f64).sum()
+            self.series.iter().map(|(_, contact)| contact.silent_cost()).sum()
         }
+    }
+
+    /// From here on the runs that are not periodic count for a model which they do not judge as they do for the declared `law`.
+    pub(crate) fn silence(&mut self, law: &ModifiedLaw<f64>) {
+        self.series.par_iter_mut().for_each(|(_, contact)| *contact = Arc::new(contact.silenced(law)));
     }
 
     /// Number of real residuals of the training runs.

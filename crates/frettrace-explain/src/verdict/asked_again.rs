@@ -115,6 +115,7 @@ impl<'a> Begun<'a> {
         if baseline.complete() && search.held_out_ratio(&baseline) > CONTRADICTED {
             baseline = search.sharpened(baseline, LeftLines::is_near_noise, |_, one| one.complete());
         }
+        search.study.silence(&baseline.fitted.setting.law);
         search.before = search.errors_as_read(&baseline);
         search.within_method = !baseline.complete() && search.within_method(&baseline);
         Ok(Self { search, baseline })
@@ -174,12 +175,20 @@ impl<'a> Begun<'a> {
         if settled && model.effects.is_empty() && !search.strained {
             model = search.deviating(&model).unwrap_or(model);
         }
-        if let Some(better) = search.rebased(&baseline, &model) {
+        if let Some(mut better) = search.rebased(&baseline, &model) {
             // One that misses the runs held out follows the others because it was bent to them.
             let follows = better.complete() && search.held_out_ratio(&better) <= CONTRADICTED;
+            // Evidence is that over the declared model as it is now.
+            let nearer = baseline.criterion - better.criterion;
+            search.tried.iter_mut().filter(|t| t.error.is_finite()).for_each(|t| t.evidence -= nearer);
             if follows && !search.is_open(&better) {
-                model = better.clone();
-                search.rivals.clear();
+                match search.still_lacking(&better, &model) {
+                    Some(pair) => (better, model) = pair,
+                    None => {
+                        model = better.clone();
+                        search.rivals.clear();
+                    }
+                }
             }
             baseline = better;
             search.before = search.errors_as_read(&baseline);

@@ -8,6 +8,7 @@ use crate::balance_fit::BalanceCandidate;
 use crate::contact_search::ContactCandidate;
 use crate::effects::{ALL, EffectPlace, listed};
 use crate::force_laws::{CUBIC_BELOW, thresholds};
+use crate::left::LeftLines;
 use crate::search::{Asked, Explained};
 use crate::study::merge;
 use crate::{ExplainError, Unknown};
@@ -263,6 +264,27 @@ impl Search<'_> {
     pub(super) fn has_it_all(&self, without: &Explained, model: &Explained) -> bool {
         let fits = !model.effects.is_empty() && model.complete() && model.left().is_noise();
         fits && self.foretells(without, model)
+    }
+
+    /// A declared model that follows the samples, and a named one that has all that the lines of the declared one hold beside the noise, on a finer grid
+    /// where it takes one: from the named law the declared one was fitted to within the noise of all samples, and the name stays. `None` where
+    /// it is not needed.
+    pub(super) fn still_lacking(
+        &mut self,
+        plain: &Explained,
+        named: &Explained,
+    ) -> Option<(Explained, Explained)> {
+        if !self.holds_more(plain) {
+            return None;
+        }
+        let mut other = self.clone();
+        let named = other.sharpened(named.clone(), LeftLines::is_noise, |_, one| one.complete());
+        let finer = other.refined > self.refined;
+        let plain = if finer { other.study.polished(plain).ok()? } else { plain.clone() };
+        other.has_it_all(&plain, &named).then(|| {
+            *self = other;
+            (plain, named)
+        })
     }
 
     /// Whether the last effect of a model may be asked for by its name.
