@@ -160,7 +160,7 @@ impl<'a> Begun<'a> {
         let mut model = if done { baseline.clone() } else { search.close(&baseline)? };
         // The values of a law and of a structure may be bent until the error is within the noise of all samples. What is named for what lines still
         // hold must take all of it, and help where nothing was fitted: lines hold more than the noise where a grid is coarse, too.
-        if done && search.holds_more(&baseline) {
+        if done && !baseline.left().is_noise() {
             let mut other = search.clone();
             let finer = other.sharpened(baseline.clone(), LeftLines::is_noise, |_, one| one.complete());
             let named = if other.holds_more(&finer) { other.close(&finer)? } else { finer.clone() };

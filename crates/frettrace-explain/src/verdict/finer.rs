@@ -82,7 +82,8 @@ impl Search<'_> {
             return current;
         }
         let mut finer = (self.study.clone(), current.clone(), self.refined);
-        while finer.2 < MOST_REFINED && !enough(finer.1.left()) {
+        let most = if current.fitted.setting.rigid { MOST_REFINED_RIGID } else { MOST_REFINED };
+        while finer.2 < most && !enough(finer.1.left()) {
             let Ok(Some(study)) = finer.0.resolved(&finer.1.fitted) else { break };
             let left = FINER * finer.1.left().excess();
             let Some(sharper) = on_finer(&study, &finer.1).filter(|s| s.left().excess() < left) else {

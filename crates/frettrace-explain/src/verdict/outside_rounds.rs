@@ -50,11 +50,19 @@ fn strained(model: &Explained) -> impl Iterator<Item = &Unknown> {
 }
 
 impl Search<'_> {
-    /// Whether the lines of a model that is complete hold more than their noise, which is a small part of that of all samples. The balance of a rigid
-    /// contact leaves as much on any grid: there a mode must be at the end of what was declared of it, strained to take it up.
+    /// Whether the lines of a model that is complete hold more than their noise, which is a small part of that of all samples. With a rigid contact
+    /// they do so on a coarse grid: there they must hold more than that may be wrong by, or a mode must be at the end of what was declared of it,
+    /// strained to take it up.
     pub(super) fn holds_more(&self, model: &Explained) -> bool {
         let yields = !model.fitted.setting.rigid;
-        !model.left().is_noise() && (yields || strained(model).next().is_some())
+        !model.left().is_noise() && (yields || strained(model).next().is_some() || self.is_beyond_grid(model))
+    }
+
+    /// Whether the lines hold more than their noise and what the phase grid may be wrong by.
+    fn is_beyond_grid(&self, model: &Explained) -> bool {
+        let mut doubted = self.study.clone();
+        let known = doubted.doubt_grid(&model.fitted).is_ok();
+        known && !doubted.left_in(&model.fitted, &doubted.training).is_noise()
     }
 
     /// Where structure effects start from: what was declared, or the model that already holds effects. A base fit of a law to
