@@ -55,14 +55,15 @@ impl Search<'_> {
     /// strained to take it up.
     pub(super) fn holds_more(&self, model: &Explained) -> bool {
         let yields = !model.fitted.setting.rigid;
-        !model.left().is_noise() && (yields || strained(model).next().is_some() || self.is_beyond_grid(model))
+        let beyond_grid = || self.within_doubt(model) == Some(false);
+        !model.left().is_noise() && (yields || strained(model).next().is_some() || beyond_grid())
     }
 
-    /// Whether the lines hold more than their noise and what the phase grid may be wrong by.
-    fn is_beyond_grid(&self, model: &Explained) -> bool {
+    /// Whether the lines hold no more than their noise and what the phase grid may be wrong by; `None` where a coarser grid does not tell.
+    fn within_doubt(&self, model: &Explained) -> Option<bool> {
         let mut doubted = self.study.clone();
-        let known = doubted.doubt_grid(&model.fitted).is_ok();
-        known && !doubted.left_in(&model.fitted, &doubted.training).is_noise()
+        doubted.doubt_grid(&model.fitted).ok()?;
+        Some(doubted.left_in(&model.fitted, &doubted.training).is_noise())
     }
 
     /// Where structure effects start from: what was declared, or the model that already holds effects. A base fit of a law to
@@ -268,10 +269,12 @@ impl Search<'_> {
         allowed.then_some(found)
     }
 
-    /// Whether a model with names has all that the lines of one without hold beside the noise, and foretells runs better.
+    /// Whether a model with names has all that the lines of one without hold beside the noise, and beside what the grid of a rigid contact may be
+    /// wrong by, and foretells runs better.
     pub(super) fn has_it_all(&self, without: &Explained, model: &Explained) -> bool {
-        let fits = !model.effects.is_empty() && model.complete() && model.left().is_noise();
-        fits && self.foretells(without, model)
+        let meets =
+            || model.left().is_noise() || model.fitted.setting.rigid && self.within_doubt(model) == Some(true);
+        !model.effects.is_empty() && model.complete() && meets() && self.foretells(without, model)
     }
 
     /// A declared model that follows the samples, and a named one that has all that the lines of the declared one hold beside the noise, on a finer grid
