@@ -72,7 +72,7 @@ pub(super) fn answer_from<'a>(
         let ratio = found.held_out_ratio();
         if let Ok(other) = Found::by(case, Split::Second)
             && other.model.is_single()
-            && other.held_out_ratio() <= FORETOLD
+            && other.held_out_ratio() <= ratio.min(FORETOLD)
         {
             missed.push(format!(
                 "{} missed the runs held out by {ratio:.2} times the noise, and others follow the fitted ones as well: these are among the fitted ones now, and others are held out",
@@ -245,10 +245,15 @@ impl<'a> Found<'a> {
         self.model.complete() && after > CONTRADICTED && !is_followed(before, after)
     }
 
-    /// Whether runs held out hold more than the noise beside a single name, and a rival of it follows the fitted runs as well.
+    /// Whether runs held out hold more than the noise beside a single name, and a rival of it follows the fitted runs as well; or more than runs do that
+    /// were fitted, and a rival follows those better.
     fn is_ambiguous(&self) -> bool {
-        let follows = |rival: &Rival| rival.excess <= excess(COMPLETE);
-        self.model.is_single() && self.held_out_ratio() > FORETOLD && self.search.rivals.iter().any(follows)
+        let (held_out, own) = (self.held_out_ratio(), self.model.left());
+        let nearer = |rival: &Rival| (own.excess() - rival.left) * own.count > EVIDENCE;
+        let follows = |rival: &Rival| {
+            rival.excess <= excess(COMPLETE) && (held_out > FORETOLD || held_out > LEFT && nearer(rival))
+        };
+        self.model.is_single() && self.search.rivals.iter().any(follows)
     }
 
     /// The only name of a model that leaves more than the noise. One that every rival leaves ten times as much as is in no doubt.
