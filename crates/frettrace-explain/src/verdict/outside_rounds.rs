@@ -272,8 +272,9 @@ impl Search<'_> {
     /// Whether a model with names has all that the lines of one without hold beside the noise, and beside what the grid of a rigid contact may be
     /// wrong by, and foretells runs better.
     pub(super) fn has_it_all(&self, without: &Explained, model: &Explained) -> bool {
-        let meets =
-            || model.left().is_noise() || model.fitted.setting.rigid && self.within_doubt(model) == Some(true);
+        let meets = || {
+            model.left().is_noise() || model.fitted.setting.rigid && self.within_doubt(model) == Some(true)
+        };
         !model.effects.is_empty() && model.complete() && meets() && self.foretells(without, model)
     }
 
