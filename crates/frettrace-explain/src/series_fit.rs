@@ -431,6 +431,7 @@ mod tests {
             circumstance: Circumstance::default(),
             bins: Vec::new(),
             measured: Vec::new(),
+            silent: 1.0,
         };
         found.force = blank.answer(law);
         found
@@ -444,6 +445,25 @@ mod tests {
         falling.set(Hook::StribeckVelocity, 4e-3);
         falling.set(Hook::StribeckExponent, 2.0);
         [plain, falling]
+    }
+
+    /// For a model that a run does not judge it counts as for the declared law: one a residual before there is one and where that misses the force,
+    /// next to nothing where it made it.
+    #[test]
+    fn a_run_without_a_period_is_no_evidence_of_what_it_does_not_judge() {
+        let [plain, falling] = laws();
+        let contact = SeriesContact::new(&series(&falling), pressed(20.0), (false, 4096)).unwrap();
+        let count = contact.count() as f64;
+        let mut clocked = falling;
+        clocked.set(Hook::ModulationCosine, 0.1);
+        let right = contact.cost(&falling);
+        assert!(right < 1e-9 * count, "{right}");
+        let [missed, met] = [&plain, &falling].map(|law| contact.silenced(law));
+        for (one, counts) in [(contact, count), (missed, count), (met, right)] {
+            for found in [one.silent_cost(), one.cost(&clocked)] {
+                assert!((found - counts).abs() < 1e-9 * count, "{found} {counts}");
+            }
+        }
     }
 
     /// The law that made the force leaves nothing; one without its Stribeck rise of a half leaves more than a twentieth

@@ -27,7 +27,7 @@ const QUICK: f64 = 1.0;
 /// that snap, and a wear whose course the runs held out had to tell; modulations of the preload that the mean of a bristle carries, twice, and one without a
 /// line in the quietest run; a stop that only a run without a period reaches, one whose gap was held to where recovered runs rest, a support whose
 /// curve four terms carry from where two have come to, and a wear that the fitted runs did not tell from an ageing.
-const MENDED: [(u64, &str); 68] = [
+const MENDED: [(u64, &str); 74] = [
     (251, "clean 2 lugre rotation"),
     (251, "structure.quadratic-damping 1 hybrid transverse"),
     (251, "unlisted:structure/even-stiffness 1 dahl transverse"),
@@ -96,6 +96,12 @@ const MENDED: [(u64, &str); 68] = [
     (313, "friction.lag/saturating 1 lugre rotation"),
     (315, "friction.wear/settling 1 hybrid rotation"),
     (315, "structure.modal-damping 1 dahl rotation"),
+    (313, "contact.tangential-stiffness/parallel 1 lugre rotation"),
+    (314, "structure.cubic-stiffness 2 dahl transverse"),
+    (314, "friction.viscous 1 coulomb rotation"),
+    (315, "structure.cubic-stiffness 1 hybrid transverse"),
+    (316, "friction.film/rational 1 dahl rotation"),
+    (316, "measurement.clipping 2 hybrid rotation"),
 ];
 
 fn run() -> anyhow::Result<Outcome> {

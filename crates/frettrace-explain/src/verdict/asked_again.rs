@@ -164,8 +164,11 @@ impl<'a> Begun<'a> {
             let mut other = search.clone();
             let finer = other.sharpened(baseline.clone(), LeftLines::is_noise, |_, one| one.complete());
             let named = if other.holds_more(&finer) { other.close(&finer)? } else { finer.clone() };
-            if other.has_it_all(&finer, &named) {
-                (search, model, baseline) = (other, named, finer);
+            if !named.effects.is_empty()
+                && let Some(pair) = other.still_lacking(&finer, &named)
+            {
+                search = other;
+                (baseline, model) = pair;
                 search.before = search.errors_as_read(&baseline);
             }
         }

@@ -271,7 +271,7 @@ impl Search<'_> {
 
     /// Whether a model with names has all that the lines of one without hold beside the noise, and beside what the grid of a rigid contact may be
     /// wrong by, and foretells runs better.
-    pub(super) fn has_it_all(&self, without: &Explained, model: &Explained) -> bool {
+    fn has_it_all(&self, without: &Explained, model: &Explained) -> bool {
         let meets = || {
             model.left().is_noise() || model.fitted.setting.rigid && self.within_doubt(model) == Some(true)
         };
@@ -279,8 +279,8 @@ impl Search<'_> {
     }
 
     /// A declared model that follows the samples, and a named one that has all that the lines of the declared one hold beside the noise, on a finer grid
-    /// where it takes one: from the named law the declared one was fitted to within the noise of all samples, and the name stays. `None` where
-    /// it is not needed.
+    /// where it takes one: the values of a law and of a structure were bent until the error was within the noise of all samples, and the name
+    /// stays. `None` where it is not needed.
     pub(super) fn still_lacking(
         &mut self,
         plain: &Explained,
