@@ -184,8 +184,13 @@ impl Search<'_> {
     /// A single complete name of the contact that leaves more than the noise, or what it is known to be mistaken for outside the contact, where that explains
     /// better: the balance, which no law takes part in, may not tell the two apart, so that nobody has asked.
     pub(super) fn against_outsiders(&mut self, baseline: &Explained, model: Explained) -> Explained {
-        let exact = model.left().is_noise() && model.ratio <= LEFT;
-        if !model.is_single() || exact || ALL[model.effects[0]].place() != EffectPlace::Contact {
+        if !model.is_single() || ALL[model.effects[0]].place() != EffectPlace::Contact {
+            return model;
+        }
+        // What the grid of a rigid contact may be wrong by is nothing that a name leaves.
+        let exact = model.left().is_noise() && model.ratio <= LEFT
+            || model.fitted.setting.rigid && self.within_doubt(&model) == Some(true);
+        if exact {
             return model;
         }
         let (case, setting) = (self.study.case, self.declared_start(baseline));
