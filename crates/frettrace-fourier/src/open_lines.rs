@@ -43,7 +43,7 @@ enum Inverse {
 impl Inverse {
     fn new(normal: &Mat<f64>, open: usize) -> Option<Self> {
         let least = KNOWN * 0.5 * open as f64;
-        // No eigenvalue is above the least pivot.
+        // Lines that depend on each other leave a small pivot; the least eigenvalue may be somewhat below the least one.
         if let Ok(factor) = normal.llt(Side::Lower)
             && (0..normal.nrows()).all(|i| factor.L()[(i, i)].powi(2) > least)
         {
