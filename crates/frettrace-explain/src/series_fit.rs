@@ -198,11 +198,11 @@ impl SeriesContact {
         2 * self.bins.len()
     }
 
-    /// The same with what counts for a model that it does not judge: as much as the declared `law` leaves, which is the noise or less than that
-    /// where the deviations are those of a method that did better, and one per residual at most. Beside models that are judged it is no evidence
-    /// for one or the other.
-    pub fn silenced(&self, law: &ModifiedLaw<f64>) -> Self {
-        Self { silent: (self.cost(law) / self.count() as f64).min(1.0), ..self.clone() }
+    /// From here on it counts as much for a model that it does not judge as the declared `law` leaves, which is the noise or less than that where the
+    /// deviations are those of a method that did better, and one per residual at most. Beside models that are judged it is no evidence for
+    /// one or the other.
+    pub fn silence(&mut self, law: &ModifiedLaw<f64>) {
+        self.silent = (self.cost(law) / self.count() as f64).min(1.0);
     }
 
     /// χ² that counts for a model which the run does not judge.
@@ -458,7 +458,11 @@ mod tests {
         clocked.set(Hook::ModulationCosine, 0.1);
         let right = contact.cost(&falling);
         assert!(right < 1e-9 * count, "{right}");
-        let [missed, met] = [&plain, &falling].map(|law| contact.silenced(law));
+        let [missed, met] = [&plain, &falling].map(|law| {
+            let mut contact = contact.clone();
+            contact.silence(law);
+            contact
+        });
         for (one, counts) in [(contact, count), (missed, count), (met, right)] {
             for found in [one.silent_cost(), one.cost(&clocked)] {
                 assert!((found - counts).abs() < 1e-9 * count, "{found} {counts}");

@@ -231,7 +231,7 @@ impl<'a> Study<'a> {
 
     /// From here on the runs that are not periodic count for a model which they do not judge as they do for the declared `law`.
     pub(crate) fn silence(&mut self, law: &ModifiedLaw<f64>) {
-        self.series.par_iter_mut().for_each(|(_, contact)| *contact = Arc::new(contact.silenced(law)));
+        self.series.par_iter_mut().for_each(|(_, contact)| Arc::make_mut(contact).silence(law));
     }
 
     /// Number of real residuals of the training runs.

@@ -19,12 +19,13 @@ mod open_runs;
 mod outcome;
 mod outside_rounds;
 mod rules;
+mod slight;
 mod steady;
 
 pub use open_runs::{SeenSupport, peak_from_rest};
 pub(crate) use outcome::faulty;
 pub use outcome::{Named, Outcome, Place, Tried, Verdict};
-pub(crate) use outside_rounds::DEVIATES;
+pub(crate) use slight::DEVIATES;
 pub use steady::explain;
 
 /// Most effects named together.

@@ -36,7 +36,7 @@ pub struct OpenLines {
 enum Inverse {
     /// All combinations of lines are known.
     Whole(Llt<f64>),
-    /// The inverse on those that are.
+    /// `B` with the inverse `B Bᵀ` on those that are.
     Known(Mat<f64>),
 }
 
@@ -52,16 +52,15 @@ impl Inverse {
         let parts = normal.self_adjoint_eigen(Side::Lower).ok()?;
         let (vectors, values) = (parts.U(), parts.S().column_vector());
         let known: Vec<usize> = (0..values.nrows()).filter(|&k| values[k] > least).collect();
-        let scaled = Mat::from_fn(normal.nrows(), known.len(), |i, k| {
+        Some(Self::Known(Mat::from_fn(normal.nrows(), known.len(), |i, k| {
             vectors[(i, known[k])] / values[known[k]].sqrt()
-        });
-        Some(Self::Known(&scaled * scaled.transpose()))
+        })))
     }
 
     fn of(&self, right: &Col<f64>) -> Col<f64> {
         match self {
             Self::Whole(factor) => factor.solve(right),
-            Self::Known(inverse) => inverse * right,
+            Self::Known(root) => root * (root.transpose() * right),
         }
     }
 }

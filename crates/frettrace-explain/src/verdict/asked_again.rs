@@ -163,13 +163,13 @@ impl<'a> Begun<'a> {
         if done && !baseline.left().is_noise() {
             let mut other = search.clone();
             let finer = other.sharpened(baseline.clone(), LeftLines::is_noise, |_, one| one.complete());
-            let named = if other.holds_more(&finer) { other.close(&finer)? } else { finer.clone() };
-            if !named.effects.is_empty()
-                && let Some(pair) = other.still_lacking(&finer, &named)
-            {
-                search = other;
-                (baseline, model) = pair;
-                search.before = search.errors_as_read(&baseline);
+            if other.holds_more(&finer) {
+                let named = other.close(&finer)?;
+                if let Some(pair) = other.still_lacking(&finer, &named) {
+                    search = other;
+                    (baseline, model) = pair;
+                    search.before = search.errors_as_read(&baseline);
+                }
             }
         }
         if settled && model.effects.is_empty() {

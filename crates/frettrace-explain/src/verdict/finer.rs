@@ -41,7 +41,7 @@ impl Search<'_> {
         // corners than these, and a declared one may be far from the noise for nothing else.
         let kinked = current.fitted.setting.rigid && current.effects.is_empty();
         let near = kinked || current.ratio <= NEAR || current.excess() <= MOST_TAKEN * lacked;
-        let most = if current.fitted.setting.rigid { MOST_REFINED_RIGID } else { MOST_REFINED };
+        let most = most_refined(&current);
         // What a finer grid may leave is no reason for another one.
         let told = |search: &Self, current: &Explained| {
             current.complete() || kinked && search.refined > 0 && search.tells_all_it_can(current)
@@ -82,8 +82,7 @@ impl Search<'_> {
             return current;
         }
         let mut finer = (self.study.clone(), current.clone(), self.refined);
-        let most = if current.fitted.setting.rigid { MOST_REFINED_RIGID } else { MOST_REFINED };
-        while finer.2 < most && !enough(finer.1.left()) {
+        while finer.2 < most_refined(&current) && !enough(finer.1.left()) {
             let Ok(Some(study)) = finer.0.resolved(&finer.1.fitted) else { break };
             let left = FINER * finer.1.left().excess();
             let Some(sharper) = on_finer(&study, &finer.1).filter(|s| s.left().excess() < left) else {
@@ -173,6 +172,11 @@ impl Study<'_> {
         }
         self.polished(&richer).ok().filter(|better| better.criterion + EVIDENCE < current.criterion)
     }
+}
+
+/// Finer grids that a model may get.
+fn most_refined(model: &Explained) -> usize {
+    if model.fitted.setting.rigid { MOST_REFINED_RIGID } else { MOST_REFINED }
 }
 
 /// A model fitted anew on a finer grid. A rigid contact's law and structure were bent to what the coarser grid had cut short, and a fit

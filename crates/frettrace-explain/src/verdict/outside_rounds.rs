@@ -2,23 +2,16 @@
 
 use super::asked_again::LEFT;
 use super::finer::{MOST_TAKEN, NEAR};
-use super::rules::helps;
 use super::{BALANCE_CALIBRATED, BALANCE_CLOSED, EVIDENCE, PROXY, Rival, Search, Tried};
 use crate::balance_fit::BalanceCandidate;
 use crate::contact_search::ContactCandidate;
 use crate::effects::{ALL, EffectPlace, listed};
 use crate::force_laws::{CUBIC_BELOW, thresholds};
-use crate::left::LeftLines;
 use crate::search::{Asked, Explained};
 use crate::study::merge;
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::{Beside, Memory, Port, PortLaw, PortPlace, Quantity, Setting};
 use rayon::prelude::*;
-
-/// Share of a mode's range from its end within which it parks there, …
-const AT_BOUND: f64 = 1e-3;
-/// … and the χ² that its release must take: a prior of five deviations is worth 25 by itself, and so is one of two modes.
-const RELEASED: f64 = 100.0;
 
 /// Effects outside the contact that are re-fitted with the whole model, and how many where more of them close the balance.
 const REFITTED: usize = 4;
@@ -27,10 +20,6 @@ const MOST_REFITTED: usize = 7;
 /// Steps of a fit of law and structure together.
 const TOGETHER: usize = 60;
 
-/// Deviations, its own and the declared one together, from which a natural frequency is another than declared: chance brings that to one of 800
-/// rigs with twenty modes, and right models of simulated rigs come to 3.3.
-pub(crate) const DEVIATES: f64 = 4.0;
-
 /// Displacement at which a cubic spring yields, over the largest on the beam: the least, where a fit starts, and the most. One that yields below
 /// half the motion is a linear one.
 const YIELDS: [f64; 3] = [0.5, 1.5, CUBIC_BELOW];
@@ -38,34 +27,7 @@ const YIELDS: [f64; 3] = [0.5, 1.5, CUBIC_BELOW];
 /// Turns in which a fit and where its runs rest agree.
 const REST_ROUNDS: usize = 3;
 
-/// Frequencies and dampings of a model that park at the end of what was declared of them.
-fn strained(model: &Explained) -> impl Iterator<Item = &Unknown> {
-    let fitted = &model.fitted;
-    let modal = |q: Quantity| matches!(q, Quantity::ModeFrequency(_) | Quantity::ModeDamping(_));
-    fitted.unknowns.iter().filter(move |unknown| modal(unknown.quantity)).filter(|unknown| {
-        let (low, high) = unknown.parameter.bounds;
-        let value = fitted.setting.get(unknown.quantity).unwrap_or_default();
-        unknown.parameter.prior.is_some() && (value - low).min(high - value) < AT_BOUND * (high - low)
-    })
-}
-
 impl Search<'_> {
-    /// Whether the lines of a model that is complete hold more than their noise, which is a small part of that of all samples. With a rigid contact
-    /// they do so on a coarse grid: there they must hold more than that may be wrong by, or a mode must be at the end of what was declared of it,
-    /// strained to take it up.
-    pub(super) fn holds_more(&self, model: &Explained) -> bool {
-        let yields = !model.fitted.setting.rigid;
-        let beyond_grid = || self.within_doubt(model) == Some(false);
-        !model.left().is_noise() && (yields || strained(model).next().is_some() || beyond_grid())
-    }
-
-    /// Whether the lines hold no more than their noise and what the phase grid may be wrong by; `None` where a coarser grid does not tell.
-    fn within_doubt(&self, model: &Explained) -> Option<bool> {
-        let mut doubted = self.study.clone();
-        doubted.doubt_grid(&model.fitted).ok()?;
-        Some(doubted.left_in(&model.fitted, &doubted.training).is_noise())
-    }
-
     /// Where structure effects start from: what was declared, or the model that already holds effects. A base fit of a law to
     /// an open balance bends the structure to what is missing.
     fn structural_start(&self, current: &Explained) -> Setting {
@@ -188,9 +150,7 @@ impl Search<'_> {
             return model;
         }
         // What the grid of a rigid contact may be wrong by is nothing that a name leaves.
-        let exact = model.left().is_noise() && model.ratio <= LEFT
-            || model.fitted.setting.rigid && self.within_doubt(&model) == Some(true);
-        if exact {
+        if model.left().is_noise() && model.ratio <= LEFT || self.is_of_grid(&model) {
             return model;
         }
         let (case, setting) = (self.study.case, self.declared_start(baseline));
@@ -222,113 +182,6 @@ impl Search<'_> {
         }
         self.rivals.extend(Rival::of(&other, behind));
         model
-    }
-
-    /// A model that is complete with a mode at the end of what was declared of it, with that mode released: law and modes together may
-    /// have taken up what one of them lacks. Where that is so and the name is not asked for, the structure is strained.
-    pub(super) fn released(&mut self, current: &Explained) -> Option<Explained> {
-        let candidates: Vec<BalanceCandidate> =
-            strained(current).filter_map(|unknown| self.release(current, unknown.quantity)).collect();
-        let asked = candidates.par_iter().map(|c| self.asked(current, c)).collect();
-        let found = self.answered(asked);
-        let found = self.take_best(current, found)?;
-        let told = found.complete()
-            && found.criterion + RELEASED < current.criterion
-            && self.takes_all(current, &found);
-        let foretold = told && self.foretells(current, &found);
-        let allowed = self.may_be_named(&found);
-        self.strained = foretold && !allowed;
-        self.tried.retain(|t| self.study.case.allows(t.id));
-        if foretold && allowed {
-            return Some(found);
-        }
-        self.rivals.clear();
-        None
-    }
-
-    /// A complete model whose lines hold noise, with a natural frequency farther from what was declared than its deviation lets it be by chance,
-    /// with that frequency free: no error shows it, and it says so itself.
-    pub(super) fn deviating(&mut self, current: &Explained) -> Option<Explained> {
-        if !current.left().is_noise() {
-            return None;
-        }
-        let fitted = &current.fitted;
-        let declared = fitted.unknowns.iter().filter(|u| matches!(u.quantity, Quantity::ModeFrequency(_)));
-        let off = |unknown: &Unknown| {
-            let (value, prior) = (fitted.setting.get(unknown.quantity)?, unknown.parameter.prior?);
-            let spread = prior.std.hypot(current.deviation(unknown.quantity));
-            Some((unknown.quantity, (value - prior.mean).abs() / spread))
-        };
-        let farthest = declared.filter_map(off).max_by(|a, b| a.1.total_cmp(&b.1));
-        let (quantity, _) = farthest.filter(|(_, off)| *off > DEVIATES)?;
-        let candidate = self.release(current, quantity)?;
-        let asked = self.asked(current, &candidate);
-        let mut found = self.answered(vec![asked]).pop()?;
-        found.book(current);
-        if !found.complete() || !found.left().is_noise() || found.gain(current) < EVIDENCE {
-            return None;
-        }
-        let allowed = self.may_be_named(&found);
-        self.strained = !allowed;
-        self.deviates = allowed;
-        allowed.then_some(found)
-    }
-
-    /// Whether a model with names has all that the lines of one without hold beside the noise, and beside what the grid of a rigid contact may be
-    /// wrong by, and foretells runs better.
-    fn has_it_all(&self, without: &Explained, model: &Explained) -> bool {
-        let meets = || {
-            model.left().is_noise() || model.fitted.setting.rigid && self.within_doubt(model) == Some(true)
-        };
-        !model.effects.is_empty() && model.complete() && meets() && self.foretells(without, model)
-    }
-
-    /// A declared model that follows the samples, and a named one that has all that the lines of the declared one hold beside the noise, on a finer grid
-    /// where it takes one: the values of a law and of a structure were bent until the error was within the noise of all samples, and the name
-    /// stays. `None` where it is not needed.
-    pub(super) fn still_lacking(
-        &mut self,
-        plain: &Explained,
-        named: &Explained,
-    ) -> Option<(Explained, Explained)> {
-        if !self.holds_more(plain) {
-            return None;
-        }
-        let mut other = self.clone();
-        let named = other.sharpened(named.clone(), LeftLines::is_noise, |_, one| one.complete());
-        let finer = other.refined > self.refined;
-        let plain = if finer { other.study.polished(plain).ok()? } else { plain.clone() };
-        other.has_it_all(&plain, &named).then(|| {
-            *self = other;
-            (plain, named)
-        })
-    }
-
-    /// Whether the last effect of a model may be asked for by its name.
-    fn may_be_named(&self, model: &Explained) -> bool {
-        model.effects.last().is_some_and(|&effect| self.study.case.allows(ALL[effect].id()))
-    }
-
-    /// Whether runs held out ask for a model too: what only the fitted ones ask for is an error of theirs, or of the model.
-    fn foretells(&self, before: &Explained, model: &Explained) -> bool {
-        let held_out = &self.study.held_out;
-        let error = |of: &Explained| self.study.error(&of.fitted, held_out).ratio();
-        let improved = || self.study.improvement(&before.fitted, &model.fitted, held_out);
-        !held_out.is_empty() && helps(improved(), [error(before), error(model)])
-    }
-
-    /// The effect of a mode with another frequency or damping than declared.
-    fn release(&self, current: &Explained, quantity: Quantity) -> Option<BalanceCandidate> {
-        let id = match quantity {
-            Quantity::ModeFrequency(_) => "structure.modal-frequency",
-            Quantity::ModeDamping(_) => "structure.modal-damping",
-            _ => return None,
-        };
-        let effect = listed(id)?;
-        let (case, setting) = (self.study.case, &current.fitted.setting);
-        let forms = ALL[effect].structure_forms(case, setting, &self.study.scales);
-        let form = forms.into_iter().find(|form| form.unknowns[0].quantity == quantity)?;
-        Some(BalanceCandidate::unfitted(effect, form, current.criterion))
     }
 
     /// Effects outside the contact that bring χ² per degree of freedom of the balance below `limit`.
@@ -419,7 +272,7 @@ impl Search<'_> {
         self.study.polished(&other).ok()
     }
 
-    fn asked(&self, current: &Explained, candidate: &BalanceCandidate) -> Asked {
+    pub(super) fn asked(&self, current: &Explained, candidate: &BalanceCandidate) -> Asked {
         Asked { effect: candidate.effect, answer: self.with_structure(current, candidate) }
     }
 
