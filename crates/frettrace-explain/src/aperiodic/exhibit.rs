@@ -4,7 +4,7 @@ use super::motion::Motion;
 use super::run::OpenRun;
 use crate::exhibit::Loop;
 use crate::records_explain::strokes;
-use crate::series_fit::Series;
+use crate::series::Series;
 use frettrace_friction::effects::ModifiedLaw;
 use nalgebra::DVector;
 use std::ops::Range;

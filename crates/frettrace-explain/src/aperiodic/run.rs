@@ -9,7 +9,7 @@ mod weights;
 use super::motion::{Motion, WholeRun};
 use crate::contact_fit::LANES;
 use crate::records::BAND;
-use crate::series_fit::{Series, resistance};
+use crate::series::{Series, resistance};
 use frettrace_fourier::tapered_spectrum;
 use frettrace_friction::effects::{Circumstance, ModifiedLaw, Reached};
 use frettrace_friction::{Gradient, Scalar, Step};

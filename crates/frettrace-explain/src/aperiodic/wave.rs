@@ -5,7 +5,7 @@
 
 use super::run::{OpenRun, Wave};
 use super::search::Fitted;
-use crate::series_fit::Series;
+use crate::series::Series;
 use frettrace_fourier::spectrum;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 use nalgebra::DVector;

@@ -2,7 +2,7 @@ use super::mean::mean_slip;
 use super::*;
 use crate::Scales;
 use crate::effects::ALL;
-use crate::series_fit::Series;
+use crate::series::Series;
 use frettrace_forward::accelerations::Quantity;
 use frettrace_friction::effects::Circumstance;
 use frettrace_identify::Model;

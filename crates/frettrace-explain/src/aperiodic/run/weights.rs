@@ -2,7 +2,8 @@
 
 use super::{DRAWS, JUMP, NEAR, OpenRun};
 use crate::aperiodic::motion::Motion;
-use crate::series_fit::{ACCURACY, Series};
+use crate::series::Series;
+use crate::series_fit::ACCURACY;
 use frettrace_friction::effects::ModifiedLaw;
 use nalgebra::DVector;
 use num_complex::Complex64;
