@@ -203,7 +203,9 @@ impl Search<'_> {
     fn close(&mut self, baseline: &Explained) -> Result<Explained, ExplainError> {
         let mut single = None;
         let current = self.extended(baseline, &mut single)?;
-        if current.complete() {
+        // A second name that shows nothing of what it says is what the first one's formula leaves.
+        let mended = current.effects.len() > 1 && self.shows_nothing(&current);
+        if current.complete() && !mended {
             let named = !current.effects.is_empty();
             return Ok(self.sharpened(
                 current,
@@ -217,7 +219,7 @@ impl Search<'_> {
         if !one.dominant(baseline, left) {
             return Ok(current);
         }
-        if sufficient {
+        if sufficient && !mended {
             // A single name that leaves so little has another formula all the same.
             self.other_formula = current.effects == one.effects;
             return Ok(current);

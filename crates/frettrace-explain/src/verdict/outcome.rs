@@ -278,24 +278,35 @@ impl Search<'_> {
         follows
     }
 
-    /// Whether an effect of the model shows nothing of what its name says: of a wave along the path less than one is travelled. It is the simpler one
-    /// that it becomes then, under that one's name; where there is none in the list, it stands in for what has no name.
+    /// What an effect of the model is that shows nothing of what its name says: of a wave along the path less than one is travelled. It is the
+    /// simpler one that it becomes then, under that one's name (`Ok`); where there is none in the list, it stands in for what has no name.
+    /// `None` where it shows what it says.
+    fn idle(&self, model: &Explained, place: usize) -> Option<Result<usize, &'static str>> {
+        let (law, effect) = (&model.fitted.setting.law, model.effects[place]);
+        if !ALL[effect].is_idle(law, self.reach()) {
+            return None;
+        }
+        // What brought its own curve with a memory is the curve without one.
+        let has_curve = model.own(place).iter().any(|u| u.quantity == Quantity::Law(Hook::StribeckRise));
+        let curve = has_curve.then_some("friction.stribeck");
+        let simpler = ALL[effect].simpler(law).into_iter().map(|simpler| simpler.id).chain(curve);
+        let mut named = simpler.filter(|id| self.study.case.allows(id)).filter_map(listed);
+        Some(named.find(|&other| contained(Some(&effect), other)).ok_or(ALL[effect].id()))
+    }
+
+    /// Whether an effect of the model stands in for what has no name.
+    pub(super) fn shows_nothing(&self, model: &Explained) -> bool {
+        (0..model.effects.len()).any(|place| matches!(self.idle(model, place), Some(Err(_))))
+    }
+
+    /// The same, with what is only the simpler one that it becomes under that one's name.
     fn stands_in(&mut self, model: &mut Explained) -> bool {
-        let (law, reach) = (model.fitted.setting.law, self.reach());
         let mut nameless = None;
         for place in 0..model.effects.len() {
-            let effect = model.effects[place];
-            if !ALL[effect].is_idle(&law, reach) {
-                continue;
-            }
-            // What brought its own curve with a memory is the curve without one.
-            let has_curve = model.own(place).iter().any(|u| u.quantity == Quantity::Law(Hook::StribeckRise));
-            let curve = has_curve.then_some("friction.stribeck");
-            let simpler = ALL[effect].simpler(&law).into_iter().map(|simpler| simpler.id).chain(curve);
-            let mut named = simpler.filter(|id| self.study.case.allows(id)).filter_map(listed);
-            match named.find(|&other| contained(Some(&effect), other)) {
-                Some(other) => model.effects[place] = other,
-                None => nameless = Some(ALL[effect].id()),
+            match self.idle(model, place) {
+                Some(Ok(other)) => model.effects[place] = other,
+                Some(Err(id)) => nameless = Some(id),
+                None => {}
             }
         }
         if let Some(id) = nameless {
