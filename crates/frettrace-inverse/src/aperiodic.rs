@@ -22,6 +22,7 @@ mod calibration;
 mod drift;
 mod ends;
 mod known;
+mod left;
 mod outcome;
 mod power;
 #[cfg(test)]
@@ -38,6 +39,7 @@ use faer::prelude::Solve;
 use faer::{Col, Mat, Side};
 use frettrace_fourier::tapered_spectrum;
 pub(crate) use known::{Known, Left};
+use left::Column;
 use num_complex::Complex64;
 use power::{FROM_FEW, smoothed};
 use rayon::prelude::*;
@@ -46,8 +48,6 @@ use std::f64::consts::TAU;
 
 /// Rounds of empirical Bayes; the estimate settles in two or three.
 const ROUNDS: usize = 4;
-/// Bins whose normal equations are added up together.
-const PART: usize = 64;
 /// How powers rise towards zero frequency: as `1/k` for the estimate, between a level and a random walk, neither of which is known; as the
 /// walk for the bands.
 const ESTIMATED: i32 = 1;
@@ -96,6 +96,18 @@ impl<'a> Estimated<'a> {
         Self::in_rounds(ROUNDS, setting, left, (known, doubt), loads)
     }
 
+    /// The same where what the forces leave without a prior, as samples of the fitted accelerations, is told to be worth it.
+    pub(crate) fn if_worth(
+        setting: &'a Setting<'a>,
+        left: &Left,
+        from: (&'a Known, f64),
+        loads: &'a [Load],
+        is_worth: impl Fn(&[Vec<f64>]) -> bool,
+    ) -> Option<Self> {
+        let whole = Whole::new(setting, left, from, loads);
+        is_worth(&whole.fitted(&whole.free())).then(|| Self::of(whole, left, ROUNDS))
+    }
+
     /// The same in so many rounds.
     fn in_rounds(
         rounds: usize,
@@ -104,7 +116,10 @@ impl<'a> Estimated<'a> {
         (known, doubt): (&'a Known, f64),
         loads: &'a [Load],
     ) -> Self {
-        let whole = Whole::new(setting, left, (known, doubt), loads);
+        Self::of(Whole::new(setting, left, (known, doubt), loads), left, rounds)
+    }
+
+    fn of(whole: Whole<'a>, left: &Left, rounds: usize) -> Self {
         let mut round = whole.round(whole.tapered_priors(left));
         for _ in 1..rounds {
             round = whole.round(whole.updated_priors(&round, ESTIMATED));
@@ -162,7 +177,7 @@ impl<'a> Whole<'a> {
             let here: Vec<Complex64> = accelerations.iter().map(|a| a[k + 1]).collect();
             let at = Amplitudes { exciter: force[k + 1], accelerations: &here, variances: &[] };
             let solved = bin.solve(&free);
-            let forces = bin.free_forces(&at, self.loads, &solved);
+            let forces = bin.free_forces(&at, &solved);
             forces.iter().zip(solved.variances()).map(|(f, v)| (f.norm_sqr() - v).max(0.0)).collect()
         };
         let found: Vec<Vec<f64>> = self.bins.par_iter().enumerate().map(powers).collect();
@@ -189,87 +204,69 @@ impl<'a> Whole<'a> {
         (0..self.loads.len()).into_par_iter().map(smooth).collect()
     }
 
+    /// Every bin by itself: forces without a prior, and none of the common unknowns.
+    fn free(&self) -> Round {
+        let powers = vec![f64::INFINITY; self.bins.len()];
+        let priors = vec![powers; self.loads.len()];
+        let free = vec![f64::INFINITY; self.loads.len()];
+        let unknowns = self.unknowns();
+        Round {
+            jumps: priors.iter().map(|_| Jump::none()).collect(),
+            priors,
+            solved: self.bins.par_iter().map(|bin| bin.solve(&free)).collect(),
+            common: vec![0.0; unknowns],
+            covariance: Mat::zeros(unknowns, unknowns),
+        }
+    }
+
+    /// Number of the common unknowns.
+    fn unknowns(&self) -> usize {
+        self.decays.all.len() + JUMPS * self.loads.len()
+    }
+
     /// The common unknowns by least squares over all bins, the contact forces eliminated.
     fn round(&self, priors: Vec<Vec<f64>>) -> Round {
         let jumps: Vec<Jump> = priors.iter().map(|powers| Jump::new(powers, self.base)).collect();
         let prior = |k: usize| -> Vec<f64> { priors.iter().map(|p| p[k]).collect() };
         let solved: Vec<Solved> =
             self.bins.par_iter().enumerate().map(|(k, bin)| bin.solve(&prior(k))).collect();
-        let (mut matrix, right) = self.normal_equations(&jumps, &solved);
+        let columns = |k: usize, out: &mut Vec<Column>| self.add_columns(k, &jumps, out);
+        let mut normal = self.products_left(&solved, self.unknowns(), columns, None);
         let variances = jumps.iter().flat_map(|jump| jump.variances);
-        for (i, variance) in variances.enumerate() {
-            matrix[(self.decays.all.len() + i) * (right.len() + 1)] += variance.recip();
+        for (i, variance) in (self.decays.all.len()..).zip(variances) {
+            normal[(i, i)] += variance.recip();
         }
-        let (common, covariance) = least_squares(&matrix, &right);
+        let (common, covariance) = least_squares(&normal);
         Round { priors, jumps, solved, common, covariance }
     }
 
-    /// Normal matrix (upper triangle, row-major) and right side of the common unknowns.
-    fn normal_equations(&self, jumps: &[Jump], solved: &[Solved]) -> (Vec<f64>, Vec<f64>) {
-        let unknowns = self.decays.all.len() + JUMPS * self.loads.len();
-        let zero = || (vec![0.0; unknowns * unknowns], vec![0.0; unknowns]);
-        let add = |mut a: (Vec<f64>, Vec<f64>), b: (Vec<f64>, Vec<f64>)| {
-            a.0.iter_mut().zip(&b.0).for_each(|(x, y)| *x += y);
-            a.1.iter_mut().zip(&b.1).for_each(|(x, y)| *x += y);
-            a
-        };
-        // Parts of one size, added in order: the sum is the same to the last digit however the work is shared out.
-        let parts: Vec<_> = solved
-            .par_chunks(PART)
-            .enumerate()
-            .map(|(part, solved)| {
-                let mut sums = zero();
-                for (i, solved) in solved.iter().enumerate() {
-                    let k = part * PART + i;
-                    self.accumulate((k, solved), &self.columns(k, jumps), &mut sums);
-                }
-                sums
-            })
-            .collect();
-        parts.into_iter().fold(zero(), add)
-    }
-
     /// The common unknowns in bin `k` (from 0): which of the bin's vectors each moves, and by how much.
-    fn columns(&self, k: usize, jumps: &[Jump]) -> Vec<(usize, Complex64)> {
+    fn columns(&self, k: usize, jumps: &[Jump]) -> Vec<Column> {
         let mut columns = Vec::with_capacity(self.decays.all.len() + JUMPS * jumps.len());
-        columns.extend(self.decays.all.iter().enumerate().map(|(i, decay)| (i / 2, decay.acceleration[k])));
-        for (u, jump) in jumps.iter().enumerate() {
-            columns.extend(self.ramps.iter().map(|ramp| (self.record.modes + u, -ramp[k] * jump.below(k))));
-        }
+        self.add_columns(k, jumps, &mut columns);
         columns
     }
 
-    /// Adds one bin to the normal equations (upper triangle) of the common unknowns.
-    fn accumulate(
-        &self,
-        (k, solved): (usize, &Solved),
-        columns: &[(usize, Complex64)],
-        (matrix, right): &mut (Vec<f64>, Vec<f64>),
-    ) {
-        let (products, along) = self.bins[k].left(solved);
-        let size = along.len();
-        for (i, (a, x)) in columns.iter().enumerate() {
-            // Twice: a bin's real and imaginary parts have half the variance each.
-            let twice = x.conj() * 2.0;
-            right[i] += (twice * along[*a]).re;
-            for (j, (b, y)) in columns.iter().enumerate().skip(i) {
-                matrix[i * columns.len() + j] += (twice * products[a * size + b] * y).re;
-            }
+    /// Appends them.
+    fn add_columns(&self, k: usize, jumps: &[Jump], out: &mut Vec<Column>) {
+        out.extend(self.decays.all.iter().enumerate().map(|(i, decay)| (i / 2, decay.acceleration[k])));
+        for (u, jump) in jumps.iter().enumerate() {
+            let below = jump.below(k);
+            out.extend(self.ramps.iter().map(|ramp| (self.record.modes + u, -ramp[k] * below)));
         }
     }
 
     /// Forces of bin `k`: what the prior is for, `h`, and what the structure answers, `h − J r̃`.
     fn forces(&self, k: usize, round: &Round) -> (Vec<Complex64>, Vec<Complex64>) {
         let (solved, columns) = (&round.solved[k], self.columns(k, &round.jumps));
-        let taken = |u: usize| -> Complex64 {
-            columns.iter().zip(&round.common).map(|((d, x), c)| solved.taken(u, *d) * x * *c).sum()
-        };
-        let held: Vec<Complex64> = (0..self.loads.len()).map(|u| solved.own[u] - taken(u)).collect();
-        let below = |u: usize| -> Complex64 {
-            let own = self.jump(u, 0)..self.jump(u, JUMPS);
-            own.map(|i| columns[i].1 * round.common[i]).sum()
-        };
-        let answered = held.iter().enumerate().map(|(u, h)| h + below(u)).collect();
+        // Both decays of a mode, and both jumps of a load, move one vector.
+        let mut moved = vec![Complex64::ZERO; self.bins[k].size()];
+        for ((d, x), c) in columns.iter().zip(&round.common) {
+            moved[*d] += x * *c;
+        }
+        let held: Vec<Complex64> =
+            (0..self.loads.len()).map(|u| solved.own[u] - solved.made(u, &moved)).collect();
+        let answered = held.iter().zip(&moved[self.record.modes..]).map(|(h, jump)| h + jump).collect();
         (held, answered)
     }
 
@@ -279,18 +276,18 @@ impl<'a> Whole<'a> {
     }
 }
 
-/// Least squares with the covariance, from the upper triangle of the normal matrix.
-fn least_squares(matrix: &[f64], right: &[f64]) -> (Vec<f64>, Mat<f64>) {
-    let n = right.len();
+/// Least squares with the covariance, from the lower triangle of the normal matrix with the right side as its last row.
+fn least_squares(normal: &Mat<f64>) -> (Vec<f64>, Mat<f64>) {
+    let n = normal.nrows() - 1;
     // The unknowns have units of their own.
-    let scale: Vec<f64> = (0..n).map(|i| matrix[i * (n + 1)].max(f64::MIN_POSITIVE).sqrt().recip()).collect();
-    let normal = Mat::from_fn(n, n, |i, k| {
-        let entry = matrix[i.min(k) * n + i.max(k)] * scale[i] * scale[k];
+    let scale: Vec<f64> = (0..n).map(|i| normal[(i, i)].max(f64::MIN_POSITIVE).sqrt().recip()).collect();
+    let scaled = Mat::from_fn(n, n, |i, k| {
+        let entry = normal[(i.max(k), i.min(k))] * scale[i] * scale[k];
         // Rounding may leave a decay that no sensor sees without curvature.
         if i == k { entry * (1.0 + 1e-12) } else { entry }
     });
-    let Ok(factor) = normal.llt(Side::Lower) else { return (vec![0.0; n], Mat::zeros(n, n)) };
-    let solved = factor.solve(Col::from_fn(n, |i| right[i] * scale[i]));
+    let Ok(factor) = scaled.llt(Side::Lower) else { return (vec![0.0; n], Mat::zeros(n, n)) };
+    let solved = factor.solve(Col::from_fn(n, |i| normal[(n, i)] * scale[i]));
     let inverse = factor.solve(Mat::<f64>::identity(n, n));
     let covariance = Mat::from_fn(n, n, |i, k| inverse[(i, k)] * scale[i] * scale[k]);
     ((0..n).map(|i| solved[i] * scale[i]).collect(), covariance)

@@ -10,6 +10,8 @@ const LOWEST: usize = 3;
 /// Share of an excess that may remain for it to be explained, and deviations of the noise besides.
 const LEFT: f64 = 0.05;
 const CHANCE: f64 = 2.0;
+/// … and from which no prior makes it explained.
+const HOPELESS: f64 = 5.0;
 
 /// Power of an octave over that of the noise, less one, and its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,13 +31,22 @@ impl Band {
 
 /// Whether noise, or nearly nothing, is left of what was conspicuous.
 pub(crate) fn is_explained(before: &[Band], after: &[Band]) -> bool {
+    is_within(before, after, (1.0, CHANCE))
+}
+
+/// Whether that may be so of forces under a prior, from what they leave without one: of the noise itself only a share is left then.
+pub(crate) fn may_be_explained(before: &[Band], after: &[Band], share: f64) -> bool {
+    is_within(before, after, (share, HOPELESS))
+}
+
+fn is_within(before: &[Band], after: &[Band], (share, chance): (f64, f64)) -> bool {
     // Bands weigh as their bins do: by the square of one over their deviation.
     let count = |band: &Band| band.std.powi(-2);
     let asked = || before.iter().zip(after).filter(|(before, _)| before.is_conspicuous());
     let bound: f64 = asked().map(|(before, _)| count(before) * before.excess).sum();
-    let free: f64 = asked().map(|(_, after)| count(after) * after.excess).sum();
-    let scatter = asked().map(|(before, _)| count(before)).sum::<f64>().sqrt();
-    free < LEFT * bound + CHANCE * scatter
+    let free: f64 = asked().map(|(_, after)| count(after) * ((1.0 + after.excess) / share - 1.0)).sum();
+    let scatter = (asked().map(|(before, _)| count(before)).sum::<f64>() / share).sqrt();
+    free < LEFT * bound + chance * scatter
 }
 
 /// Excess of each octave, over all sensors, from their periodograms `|R_k|²/n` of the bins `0..=n/2`; the last one is left out.
@@ -81,5 +92,12 @@ mod tests {
         let found = bands(&moving);
         assert!(found[0].is_conspicuous() && found[1..].iter().all(|band| !band.is_conspicuous()));
         assert!(is_explained(&found, &bands(&noise)) && !is_explained(&found, &found));
+        // One free force of four sensors takes a quarter of the noise with what it explains; of a motion that it does not make, too.
+        let fitted = |powers: &[Vec<f64>]| {
+            let left = powers.iter().map(|power| power.iter().map(|p| 0.75 * p).collect());
+            bands(&left.collect::<Vec<_>>())
+        };
+        assert!(may_be_explained(&found, &fitted(&noise), 0.75));
+        assert!(!may_be_explained(&found, &fitted(&moving), 0.75));
     }
 }

@@ -3,6 +3,7 @@
 use frettrace_beam::ModalModel;
 use frettrace_fourier::spectrum;
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 /// Spectra of one decay, from bin 1: of `Re(s e^{λt})` as an acceleration, and of the velocity and displacement it belongs to.
 #[derive(Clone)]
@@ -20,13 +21,18 @@ pub(super) struct Decays {
 impl Decays {
     pub(super) fn new(model: &ModalModel, record: &Record) -> Self {
         let starts = [Complex64::ONE, Complex64::I];
-        let decays = (0..record.modes).flat_map(|n| starts.map(|start| (pole(model, n), start)));
-        let all = decays
-            .map(|(pole, start)| {
-                let bins = |power: i32| record.bins(pole, |_| start * pole.powi(-power));
-                Decay { acceleration: bins(0), velocity: bins(1), displacement: bins(2) }
+        let of_mode = |n: usize| {
+            let pole = pole(model, n);
+            let [even, odd] = starts.map(|start| record.bins(pole, |_| start));
+            // `Re(a e^{λt})` is linear in the parts of `a`.
+            let bins = |a: Complex64| even.iter().zip(&odd).map(|(e, o)| e * a.re + o * a.im).collect();
+            starts.map(|start| Decay {
+                acceleration: bins(start),
+                velocity: bins(start / pole),
+                displacement: bins(start / (pole * pole)),
             })
-            .collect();
+        };
+        let all = (0..record.modes).into_par_iter().flat_map_iter(of_mode).collect();
         Self { all }
     }
 
@@ -130,6 +136,11 @@ impl Jump {
         let bent: f64 = powers.iter().enumerate().map(|(k, p)| (k as f64 + 1.0).powi(2) * p).sum();
         let slope = (bent * base * base).max(f64::MIN_POSITIVE);
         Self { corner: bent / total, variances: [total, slope] }
+    }
+
+    /// No jump.
+    pub(super) fn none() -> Self {
+        Self { corner: 0.0, variances: [0.0; JUMPS] }
     }
 
     /// Share of the polynomials that lies below the corner in bin `k` (from 0).

@@ -75,10 +75,15 @@ pub(super) struct Foreign {
 pub(super) fn beside_lines(setting: &Setting<'_>, equations: &Equations<'_>) -> Beside {
     let Some(rest) = equations.lines.rest.as_ref() else { return Beside::Nothing };
     let octaves = rest.excesses(&[]);
-    if rest.accelerations.len() > equations.loads.len() {
-        let known = Known::default();
-        let found = Estimated::new(setting, rest, (&known, equations.share()), &equations.loads);
-        if bands::is_explained(&octaves, &rest.excesses(&found.fitted())) {
+    let (sensors, loads) = (rest.accelerations.len(), equations.loads.len());
+    if sensors > loads {
+        let (known, share) = (Known::default(), (sensors - loads) as f64 / sensors as f64);
+        let is_worth = |fitted: &[Vec<f64>]| bands::may_be_explained(&octaves, &rest.excesses(fitted), share);
+        let from = (&known, equations.share());
+        let found = Estimated::if_worth(setting, rest, from, &equations.loads, is_worth);
+        if let Some(found) = found
+            && bands::is_explained(&octaves, &rest.excesses(&found.fitted()))
+        {
             return Beside::Contact(Box::new(found.balance()));
         }
     }
