@@ -10,6 +10,7 @@ use crate::effects::{ALL, listed};
 use crate::left::LeftLines;
 use crate::search::Explained;
 use frettrace_forward::accelerations::Quantity;
+use frettrace_identify::HALF_INTERVAL95;
 use rayon::prelude::*;
 
 /// Share of a mode's range from its end within which it parks there, …
@@ -64,7 +65,8 @@ impl Search<'_> {
         let found = self.take_best(current, found)?;
         let told = found.complete()
             && found.criterion + RELEASED < current.criterion
-            && self.takes_all(current, &found);
+            && self.takes_all(current, &found)
+            && self.leaves_declared(&found);
         let foretold = told && self.foretells(current, &found);
         let allowed = self.may_be_named(&found);
         self.strained = foretold && !allowed;
@@ -102,6 +104,21 @@ impl Search<'_> {
         self.strained = !allowed;
         self.deviates = allowed;
         allowed.then_some(found)
+    }
+
+    /// Whether a value that the last effect of a model frees leaves what is declared of it by more than it is uncertain, by what the phase grid bends it
+    /// to, too.
+    fn leaves_declared(&self, model: &Explained) -> bool {
+        let mut doubted = model.clone();
+        self.study.doubt_values(&mut doubted);
+        let declared = self.study.case.unknowns();
+        let leaves = |unknown: &Unknown| {
+            let prior = declared.iter().find(|d| d.quantity == unknown.quantity)?.parameter.prior?;
+            let value = model.fitted.setting.get(unknown.quantity)?;
+            let spread = prior.std.hypot(doubted.deviation(unknown.quantity));
+            Some((value - prior.mean).abs() > HALF_INTERVAL95 * spread)
+        };
+        model.own(model.effects.len() - 1).iter().any(|unknown| leaves(unknown).unwrap_or(true))
     }
 
     /// Whether a model with names has all that the lines of one without hold beside the noise, and beside what the grid of a rigid contact may be
