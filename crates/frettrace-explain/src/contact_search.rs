@@ -227,28 +227,34 @@ impl Study<'_> {
         let known = merge(law_unknowns, own);
         let current = self.contact_candidate(recovered, setting, &known, (effect, &as_it_is), ALL_STEPS);
         let Some(current) = current else { return Vec::new() };
-        let mut found = self.forms_of(recovered, setting, law_unknowns, (effect, own));
+        let bare = self.bare(setting, (effect, own));
+        let mut found = self.forms_of(recovered, &bare, law_unknowns, effect);
         found.retain(|one| one.criterion + EVIDENCE < current.criterion);
         found
     }
 
-    /// All forms of an effect in the same way, one start of each.
-    pub(crate) fn forms_of(
-        &self,
-        recovered: &Contacts,
-        setting: &Setting,
-        law_unknowns: &[Unknown],
-        (effect, own): (usize, &[Unknown]),
-    ) -> Vec<ContactCandidate> {
+    /// A setting whose law is without an effect of its own values.
+    pub(crate) fn bare(&self, setting: &Setting, (effect, own): (usize, &[Unknown])) -> Setting {
         let mut bare = setting.clone();
         own.iter().for_each(|unknown| {
             bare.clear(unknown.quantity);
         });
         set_by_forms(effect, &setting.law, &self.scales).for_each(|hook| bare.law.clear(hook));
+        bare
+    }
+
+    /// All forms of an effect from a law without it, one start of each.
+    pub(crate) fn forms_of(
+        &self,
+        recovered: &Contacts,
+        bare: &Setting,
+        law_unknowns: &[Unknown],
+        effect: usize,
+    ) -> Vec<ContactCandidate> {
         let forms = ALL[effect].contact_forms(&bare.law, &self.scales);
         let quick = recovered.quick();
         let glance = |form| {
-            let begun = self.contact_steps(&quick, &bare, law_unknowns, (effect, form), (None, BEGIN))?;
+            let begun = self.contact_steps(&quick, bare, law_unknowns, (effect, form), (None, BEGIN))?;
             Some((begun.criterion, form))
         };
         let mut begun: Vec<(f64, &ContactForm)> = forms.par_iter().filter_map(glance).collect();
@@ -257,8 +263,8 @@ impl Study<'_> {
         let mut formulas = HashSet::new();
         begun.retain(|(_, form)| formulas.insert(form.formula()));
         let fitted = begun.par_iter().filter_map(|(_, form)| {
-            let plain = self.contact_candidate(recovered, &bare, law_unknowns, (effect, form), ALL_STEPS)?;
-            Some(self.contact_shape(recovered, &bare, &plain).unwrap_or(plain))
+            let plain = self.contact_candidate(recovered, bare, law_unknowns, (effect, form), ALL_STEPS)?;
+            Some(self.contact_shape(recovered, bare, &plain).unwrap_or(plain))
         });
         let mut found: Vec<ContactCandidate> = fitted.collect();
         found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));

@@ -1,8 +1,8 @@
 //! One effect more in the contact.
 
-use super::{CONTRADICTED, EVIDENCE, FORETOLD, PROXY, Rival, Search, Tried};
+use super::{EVIDENCE, FORETOLD, PROXY, Rival, Search, Tried};
 use crate::effects::{ALL, EffectPlace};
-use crate::search::Explained;
+use crate::search::{COMPLETE, Explained, excess};
 use crate::study::merge;
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::Setting;
@@ -142,30 +142,51 @@ impl Search<'_> {
     }
 
     /// A single name that follows the fitted runs and misses those held out, in the form that foretells these, of those that follow the fitted
-    /// ones as well: a name is no formula, and the fitted runs may not tell one formula from another.
+    /// ones as well: a name is no formula, and the fitted runs may not tell one formula from another. Where the name does so in none, one of its rivals
+    /// may.
     pub(super) fn in_the_form_that_foretells(&mut self, baseline: &Explained, model: Explained) -> Explained {
         if !model.is_single() {
             return model;
         }
         let (effect, missed) = (model.effects[0], self.held_out_ratio(&model));
-        if ALL[effect].place() != EffectPlace::Contact || missed <= CONTRADICTED {
+        if ALL[effect].place() != EffectPlace::Contact || missed <= FORETOLD {
             return model;
         }
         let setting = self.unbent(&model);
         let Ok(recovered) = self.study.recovered(&setting) else { return model };
         let (law, _) = Unknown::parted(&merge(&self.study.case.unknowns(), &baseline.added));
         let (own, _) = Unknown::parted(model.own(0));
-        let forms = self.study.forms_of(&recovered, &setting, &law, (effect, &own));
-        let asked = self.study.contact_round(baseline, &forms);
-        let followed = self.answered(asked).into_iter().filter(Explained::complete);
-        let judged = followed.map(|one| (self.held_out_ratio(&one), one));
-        let best = judged.min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((_, other)) = best.filter(|(ratio, _)| *ratio <= FORETOLD) else { return model };
-        self.notes.push(format!(
-            "{} has several formulas that follow the fitted runs, and the one that foretells the runs held out is taken: it was at {missed:.2} times the noise there in another",
-            ALL[effect].id()
-        ));
-        other
+        let bare = self.study.bare(&setting, (effect, &own));
+        let follows = |rival: &&Rival| {
+            let of_contact = ALL[rival.effect].place() == EffectPlace::Contact;
+            of_contact && rival.effect != effect && rival.excess <= excess(COMPLETE)
+        };
+        let rivals: Vec<usize> = self.rivals.iter().filter(follows).map(|rival| rival.effect).collect();
+        for name in std::iter::once(effect).chain(rivals) {
+            let forms = self.study.forms_of(&recovered, &bare, &law, name);
+            let asked = self.study.contact_round(baseline, &forms);
+            let followed = self.answered(asked).into_iter().filter(Explained::complete);
+            let judged = followed.map(|one| (self.held_out_ratio(&one), one));
+            let best = judged.min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((_, other)) = best.filter(|(ratio, _)| *ratio <= FORETOLD) else { continue };
+            let [id, by] = [effect, name].map(|effect| ALL[effect].id());
+            if name == effect {
+                self.notes.push(format!(
+                    "{id} has several formulas that follow the fitted runs, and the one that foretells the runs held out is taken: it was at {missed:.2} times the noise there in another"
+                ));
+            } else {
+                self.notes.push(format!(
+                    "{id} follows the fitted runs and is at {missed:.2} times the noise in those held out in all its formulas: {by} foretells them"
+                ));
+                // Evidence is that of all runs: the fitted ones do not tell the two apart.
+                let behind = self.weight(&model) - self.weight(&other);
+                self.rivals.retain(|rival| ![name, effect].contains(&rival.effect));
+                self.rivals.iter_mut().for_each(|rival| rival.behind += behind);
+                self.rivals.extend(Rival::of(&model, behind));
+            }
+            return other;
+        }
+        model
     }
 
     fn contact_to_its_end(
