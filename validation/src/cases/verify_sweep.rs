@@ -26,8 +26,9 @@ const QUICK: f64 = 1.0;
 /// path with another formula, twice, in runs without a period that rest elsewhere, and a lag on its way that a film was ahead of; two contacts
 /// that snap, and a wear whose course the runs held out had to tell; modulations of the preload that the mean of a bristle carries, twice, and one without a
 /// line in the quietest run; a stop that only a run without a period reaches, one whose gap was held to where recovered runs rest, a support whose
-/// curve four terms carry from where two have come to, and a wear that the fitted runs did not tell from an ageing.
-const MENDED: [(u64, &str); 74] = [
+/// curve four terms carry from where two have come to, and a wear that the fitted runs did not tell from an ageing; a play whose formula a lag mended that was
+/// none, a damping that the phase grid bent, and a film that foretold what an ageing did not.
+const MENDED: [(u64, &str); 77] = [
     (251, "clean 2 lugre rotation"),
     (251, "structure.quadratic-damping 1 hybrid transverse"),
     (251, "unlisted:structure/even-stiffness 1 dahl transverse"),
@@ -102,6 +103,9 @@ const MENDED: [(u64, &str); 74] = [
     (315, "structure.cubic-stiffness 1 hybrid transverse"),
     (316, "friction.film/rational 1 dahl rotation"),
     (316, "measurement.clipping 2 hybrid rotation"),
+    (316, "contact.backlash/gradual 1 lugre rotation"),
+    (317, "clean 82 lugre rotation"),
+    (317, "friction.film/rational 1 dahl rotation"),
 ];
 
 fn run() -> anyhow::Result<Outcome> {
