@@ -32,18 +32,8 @@ impl Whole<'_> {
             }
             let mut products = Mat::zeros(count + 1, count + 1);
             let whole = BlockStructure::Rectangular;
-            let (left, right) = ((rows.transpose(), whole), (rows.as_ref(), whole));
-            matmul(
-                products.as_mut(),
-                BlockStructure::TriangularLower,
-                Accum::Replace,
-                left.0,
-                left.1,
-                right.0,
-                right.1,
-                1.0,
-                Par::Seq,
-            );
+            let (into, half) = (products.as_mut(), BlockStructure::TriangularLower);
+            matmul(into, half, Accum::Replace, rows.transpose(), whole, rows.as_ref(), whole, 1.0, Par::Seq);
             products
         };
         // Parts of one size, added in order: the sum is the same to the last digit however the work is shared out.
