@@ -22,7 +22,6 @@ mod calibration;
 mod drift;
 mod ends;
 mod known;
-mod left;
 mod outcome;
 mod power;
 #[cfg(test)]
@@ -39,7 +38,6 @@ use faer::prelude::Solve;
 use faer::{Col, Mat, Side};
 use frettrace_fourier::tapered_spectrum;
 pub(crate) use known::{Known, Left};
-use left::Column;
 use num_complex::Complex64;
 use power::{FROM_FEW, smoothed};
 use rayon::prelude::*;
@@ -48,6 +46,8 @@ use std::f64::consts::TAU;
 
 /// Rounds of empirical Bayes; the estimate settles in two or three.
 const ROUNDS: usize = 4;
+/// Bins whose normal equations are added up together.
+const PART: usize = 64;
 /// How powers rise towards zero frequency: as `1/k` for the estimate, between a level and a random walk, neither of which is known; as the
 /// walk for the bands.
 const ESTIMATED: i32 = 1;
@@ -177,7 +177,7 @@ impl<'a> Whole<'a> {
             let here: Vec<Complex64> = accelerations.iter().map(|a| a[k + 1]).collect();
             let at = Amplitudes { exciter: force[k + 1], accelerations: &here, variances: &[] };
             let solved = bin.solve(&free);
-            let forces = bin.free_forces(&at, &solved);
+            let forces = bin.free_forces(&at, self.loads, &solved);
             forces.iter().zip(solved.variances()).map(|(f, v)| (f.norm_sqr() - v).max(0.0)).collect()
         };
         let found: Vec<Vec<f64>> = self.bins.par_iter().enumerate().map(powers).collect();
@@ -206,9 +206,8 @@ impl<'a> Whole<'a> {
 
     /// Every bin by itself: forces without a prior, and none of the common unknowns.
     fn free(&self) -> Round {
-        let powers = vec![f64::INFINITY; self.bins.len()];
-        let priors = vec![powers; self.loads.len()];
         let free = vec![f64::INFINITY; self.loads.len()];
+        let priors = vec![vec![f64::INFINITY; self.bins.len()]; self.loads.len()];
         let unknowns = self.unknowns();
         Round {
             jumps: priors.iter().map(|_| Jump::none()).collect(),
@@ -230,43 +229,81 @@ impl<'a> Whole<'a> {
         let prior = |k: usize| -> Vec<f64> { priors.iter().map(|p| p[k]).collect() };
         let solved: Vec<Solved> =
             self.bins.par_iter().enumerate().map(|(k, bin)| bin.solve(&prior(k))).collect();
-        let columns = |k: usize, out: &mut Vec<Column>| self.add_columns(k, &jumps, out);
-        let mut normal = self.products_left(&solved, self.unknowns(), columns, None);
+        let (mut matrix, right) = self.normal_equations(&jumps, &solved);
         let variances = jumps.iter().flat_map(|jump| jump.variances);
-        for (i, variance) in (self.decays.all.len()..).zip(variances) {
-            normal[(i, i)] += variance.recip();
+        for (i, variance) in variances.enumerate() {
+            matrix[(self.decays.all.len() + i) * (right.len() + 1)] += variance.recip();
         }
-        let (common, covariance) = least_squares(&normal);
+        let (common, covariance) = least_squares(&matrix, &right);
         Round { priors, jumps, solved, common, covariance }
     }
 
+    /// Normal matrix (upper triangle, row-major) and right side of the common unknowns.
+    fn normal_equations(&self, jumps: &[Jump], solved: &[Solved]) -> (Vec<f64>, Vec<f64>) {
+        let unknowns = self.unknowns();
+        let zero = || (vec![0.0; unknowns * unknowns], vec![0.0; unknowns]);
+        let add = |mut a: (Vec<f64>, Vec<f64>), b: (Vec<f64>, Vec<f64>)| {
+            a.0.iter_mut().zip(&b.0).for_each(|(x, y)| *x += y);
+            a.1.iter_mut().zip(&b.1).for_each(|(x, y)| *x += y);
+            a
+        };
+        // Parts of one size, added in order: the sum is the same to the last digit however the work is shared out.
+        let parts: Vec<_> = solved
+            .par_chunks(PART)
+            .enumerate()
+            .map(|(part, solved)| {
+                let mut sums = zero();
+                for (i, solved) in solved.iter().enumerate() {
+                    let k = part * PART + i;
+                    self.accumulate((k, solved), &self.columns(k, jumps), &mut sums);
+                }
+                sums
+            })
+            .collect();
+        parts.into_iter().fold(zero(), add)
+    }
+
     /// The common unknowns in bin `k` (from 0): which of the bin's vectors each moves, and by how much.
-    fn columns(&self, k: usize, jumps: &[Jump]) -> Vec<Column> {
+    fn columns(&self, k: usize, jumps: &[Jump]) -> Vec<(usize, Complex64)> {
         let mut columns = Vec::with_capacity(self.decays.all.len() + JUMPS * jumps.len());
-        self.add_columns(k, jumps, &mut columns);
+        columns.extend(self.decays.all.iter().enumerate().map(|(i, decay)| (i / 2, decay.acceleration[k])));
+        for (u, jump) in jumps.iter().enumerate() {
+            columns.extend(self.ramps.iter().map(|ramp| (self.record.modes + u, -ramp[k] * jump.below(k))));
+        }
         columns
     }
 
-    /// Appends them.
-    fn add_columns(&self, k: usize, jumps: &[Jump], out: &mut Vec<Column>) {
-        out.extend(self.decays.all.iter().enumerate().map(|(i, decay)| (i / 2, decay.acceleration[k])));
-        for (u, jump) in jumps.iter().enumerate() {
-            let below = jump.below(k);
-            out.extend(self.ramps.iter().map(|ramp| (self.record.modes + u, -ramp[k] * below)));
+    /// Adds one bin to the normal equations (upper triangle) of the common unknowns.
+    fn accumulate(
+        &self,
+        (k, solved): (usize, &Solved),
+        columns: &[(usize, Complex64)],
+        (matrix, right): &mut (Vec<f64>, Vec<f64>),
+    ) {
+        let (products, along) = self.bins[k].left(solved);
+        let size = along.len();
+        for (i, (a, x)) in columns.iter().enumerate() {
+            // Twice: a bin's real and imaginary parts have half the variance each.
+            let twice = x.conj() * 2.0;
+            right[i] += (twice * along[*a]).re;
+            for (j, (b, y)) in columns.iter().enumerate().skip(i) {
+                matrix[i * columns.len() + j] += (twice * products[a * size + b] * y).re;
+            }
         }
     }
 
     /// Forces of bin `k`: what the prior is for, `h`, and what the structure answers, `h − J r̃`.
     fn forces(&self, k: usize, round: &Round) -> (Vec<Complex64>, Vec<Complex64>) {
         let (solved, columns) = (&round.solved[k], self.columns(k, &round.jumps));
-        // Both decays of a mode, and both jumps of a load, move one vector.
-        let mut moved = vec![Complex64::ZERO; self.bins[k].size()];
-        for ((d, x), c) in columns.iter().zip(&round.common) {
-            moved[*d] += x * *c;
-        }
-        let held: Vec<Complex64> =
-            (0..self.loads.len()).map(|u| solved.own[u] - solved.made(u, &moved)).collect();
-        let answered = held.iter().zip(&moved[self.record.modes..]).map(|(h, jump)| h + jump).collect();
+        let taken = |u: usize| -> Complex64 {
+            columns.iter().zip(&round.common).map(|((d, x), c)| solved.taken(u, *d) * x * *c).sum()
+        };
+        let held: Vec<Complex64> = (0..self.loads.len()).map(|u| solved.own[u] - taken(u)).collect();
+        let below = |u: usize| -> Complex64 {
+            let own = self.jump(u, 0)..self.jump(u, JUMPS);
+            own.map(|i| columns[i].1 * round.common[i]).sum()
+        };
+        let answered = held.iter().enumerate().map(|(u, h)| h + below(u)).collect();
         (held, answered)
     }
 
@@ -276,18 +313,18 @@ impl<'a> Whole<'a> {
     }
 }
 
-/// Least squares with the covariance, from the lower triangle of the normal matrix with the right side as its last row.
-fn least_squares(normal: &Mat<f64>) -> (Vec<f64>, Mat<f64>) {
-    let n = normal.nrows() - 1;
+/// Least squares with the covariance, from the upper triangle of the normal matrix.
+fn least_squares(matrix: &[f64], right: &[f64]) -> (Vec<f64>, Mat<f64>) {
+    let n = right.len();
     // The unknowns have units of their own.
-    let scale: Vec<f64> = (0..n).map(|i| normal[(i, i)].max(f64::MIN_POSITIVE).sqrt().recip()).collect();
-    let scaled = Mat::from_fn(n, n, |i, k| {
-        let entry = normal[(i.max(k), i.min(k))] * scale[i] * scale[k];
+    let scale: Vec<f64> = (0..n).map(|i| matrix[i * (n + 1)].max(f64::MIN_POSITIVE).sqrt().recip()).collect();
+    let normal = Mat::from_fn(n, n, |i, k| {
+        let entry = matrix[i.min(k) * n + i.max(k)] * scale[i] * scale[k];
         // Rounding may leave a decay that no sensor sees without curvature.
         if i == k { entry * (1.0 + 1e-12) } else { entry }
     });
-    let Ok(factor) = scaled.llt(Side::Lower) else { return (vec![0.0; n], Mat::zeros(n, n)) };
-    let solved = factor.solve(Col::from_fn(n, |i| normal[(n, i)] * scale[i]));
+    let Ok(factor) = normal.llt(Side::Lower) else { return (vec![0.0; n], Mat::zeros(n, n)) };
+    let solved = factor.solve(Col::from_fn(n, |i| right[i] * scale[i]));
     let inverse = factor.solve(Mat::<f64>::identity(n, n));
     let covariance = Mat::from_fn(n, n, |i, k| inverse[(i, k)] * scale[i] * scale[k]);
     ((0..n).map(|i| solved[i] * scale[i]).collect(), covariance)

@@ -1,10 +1,9 @@
 //! One bin of the spectrum: what its accelerations tell of the contact forces, multiplied out.
 //!
-//! What a bin is asked for in one round after the other are the measured accelerations `y` and the vectors `B = [φ_1 … φ_M, H_1 … H_U]`, shapes of
-//! the modes and accelerances of the loads, under the sensors' weights `W`, and their products with the loads' own, `H^H W y` and `H^H W B`. They are
-//! formed once. Under a prior of variances `P` the forces are `f = K(H^H W y)` with `K = (H^H W H + P⁻¹)⁻¹`, and what they leave of a vector, with what
-//! the prior adds for them, are the rows `√W (y − H f)` and `P^{−½} f` ([`Bin::leave`]): what they leave of two vectors has the product
-//! `a^H W b − (a^H W H) K (H^H W b)`, without the difference.
+//! All that a bin is asked for in one round after the other are products, under the sensors' weights `W`, of the measured
+//! accelerations `y` and of the vectors `B = [φ_1 … φ_M, H_1 … H_U]`: shapes of the modes and accelerances of the loads. They
+//! are formed once. Under a prior of variances `P` the forces are `K(H^H W y)` with `K = (H^H W H + P⁻¹)⁻¹`, and what they leave of two
+//! vectors has the product `a^H W b − (a^H W H) K (H^H W b)`.
 
 use crate::contact::Setting;
 use crate::dynamics::{LineReceptances, Load};
@@ -31,11 +30,8 @@ pub(super) struct Bin {
     pub(super) weights: Vec<f64>,
     /// Variance (N²) of each force without prior.
     pub(super) variances: Vec<f64>,
-    /// Vectors `√W B`, one after the other, and `√W y`.
-    vectors: Vec<Complex64>,
-    weighted: Vec<Complex64>,
-    /// Products `H^H W B`, a row each load, and `H^H W y`.
-    across: Vec<Complex64>,
+    /// Products `B^H W B`, row-major, and `B^H W y`.
+    products: Vec<Complex64>,
     along: Vec<Complex64>,
     modes: usize,
 }
@@ -47,10 +43,7 @@ pub(super) struct Solved {
     /// Forces of the measured accelerations.
     pub(super) own: Vec<Complex64>,
     /// Forces of the vectors `B` in place of the accelerations, a row each load.
-    taken: Vec<Complex64>,
-    /// Roots `P^{−½}` (1/N) of the prior; zero where there is none.
-    held: Vec<f64>,
-    size: usize,
+    pub(super) taken: Vec<Complex64>,
 }
 
 impl Bin {
@@ -65,50 +58,53 @@ impl Bin {
         setting.dynamics.fill(&setting.structure.model, omega, &mut line);
         let sensors = at.accelerations.len();
         let weights: Vec<f64> = at.variances.iter().map(|v| if *v > 0.0 { v.recip() } else { 0.0 }).collect();
-        let roots: Vec<f64> = weights.iter().map(|w| w.sqrt()).collect();
-        let mut vectors = Vec::with_capacity((modes + loads.len()) * sensors);
-        for mode in 0..modes {
-            let shape =
-                roots.iter().enumerate().map(|(s, root)| setting.dynamics.sensor_shape(mode, s) * root);
-            vectors.extend(shape.map(Complex64::from));
-        }
-        for load in loads {
-            vectors.extend(roots.iter().enumerate().map(|(s, root)| line.acceleration(s, *load) * *root));
-        }
-        let measured = less_exciter(&line, at);
-        let weighted: Vec<Complex64> = measured.iter().zip(&roots).map(|(y, root)| y * *root).collect();
-        let own = || vectors[modes * sensors..].chunks_exact(sensors);
-        let along = own().map(|h| inner(h, &weighted)).collect();
-        let across = own().flat_map(|h| vectors.chunks_exact(sensors).map(move |b| inner(h, b))).collect();
-        let exciter = at.exciter;
+        let vector = |d: usize, s: usize| match loads.get(d.wrapping_sub(modes)) {
+            Some(load) => line.acceleration(s, *load),
+            None => Complex64::from(setting.dynamics.sensor_shape(d, s)),
+        };
+        let size = modes + loads.len();
+        let vectors: Vec<Complex64> = (0..size * sensors).map(|e| vector(e / sensors, e % sensors)).collect();
+        let none = Vec::new;
         let mut bin = Self {
             line,
-            exciter,
-            measured,
+            exciter: at.exciter,
+            measured: none(),
             weights,
             variances: Vec::new(),
-            vectors,
-            weighted,
-            across,
-            along,
+            products: vec![Complex64::ZERO; size * size],
+            along: none(),
             modes,
         };
+        bin.measured = bin.less_exciter(at);
+        bin.along = vectors.chunks_exact(sensors).map(|a| bin.product(a, &bin.measured)).collect();
+        for (i, a) in vectors.chunks_exact(sensors).enumerate() {
+            for (k, b) in vectors.chunks_exact(sensors).enumerate().skip(i) {
+                let product = bin.product(a, b);
+                bin.products[i * size + k] = product;
+                bin.products[k * size + i] = product.conj();
+            }
+        }
         bin.variances = bin.solve(&vec![f64::INFINITY; loads.len()]).variances().collect();
         bin
     }
 
-    fn loads(&self) -> usize {
-        self.along.len()
+    fn less_exciter(&self, at: &Amplitudes<'_>) -> Vec<Complex64> {
+        let makes = |s: usize| self.line.acceleration(s, Load::Exciter) * at.exciter;
+        at.accelerations.iter().enumerate().map(|(s, a)| a - makes(s)).collect()
+    }
+
+    /// `a^H W b`.
+    fn product(&self, a: &[Complex64], b: &[Complex64]) -> Complex64 {
+        a.iter().zip(b).zip(&self.weights).map(|((a, b), w)| a.conj() * b * *w).sum()
     }
 
     /// Number of vectors `B`.
     pub(super) fn size(&self) -> usize {
-        self.modes + self.loads()
+        self.along.len()
     }
 
-    /// Number of rows that the forces leave of a vector: one a sensor, one a load.
-    pub(super) fn rows(&self) -> usize {
-        self.measured.len() + self.loads()
+    fn loads(&self) -> usize {
+        self.size() - self.modes
     }
 
     /// The forces under prior variances (N²); infinite: none.
@@ -117,98 +113,67 @@ impl Bin {
         let entry = |e: usize| {
             let (i, k) = (e / loads, e % loads);
             let pinned = if i == k { prior[i].recip() } else { 0.0 };
-            self.across[i * size + self.modes + k] + pinned
+            self.products[(self.modes + i) * size + self.modes + k] + pinned
         };
         let covariance = inverse((0..loads * loads).map(entry).collect(), loads);
-        let mut own = vec![Complex64::ZERO; loads];
-        let mut taken = vec![Complex64::ZERO; loads * size];
-        for ((row, own), taken) in
-            covariance.chunks_exact(loads).zip(&mut own).zip(taken.chunks_exact_mut(size))
-        {
-            for ((share, along), across) in row.iter().zip(&self.along).zip(self.across.chunks_exact(size)) {
-                *own += share * along;
-                taken.iter_mut().zip(across).for_each(|(taken, across)| *taken += share * across);
-            }
-        }
-        let held = prior.iter().map(|v| if *v > 0.0 { v.recip().sqrt() } else { 0.0 }).collect();
-        Solved { covariance, own, taken, held, size }
+        let row = |u: usize, right: &dyn Fn(usize) -> Complex64| -> Complex64 {
+            (0..loads).map(|i| covariance[u * loads + i] * right(i)).sum()
+        };
+        let own = (0..loads).map(|u| row(u, &|i| self.along[self.modes + i])).collect();
+        let taken = (0..loads * size)
+            .map(|e| row(e / size, &|i| self.products[(self.modes + i) * size + e % size]))
+            .collect();
+        Solved { covariance, own, taken }
     }
 
     /// The forces of other accelerations and another excitation, without prior.
-    pub(super) fn free_forces(&self, at: &Amplitudes<'_>, free: &Solved) -> Vec<Complex64> {
-        let weighted: Vec<Complex64> =
-            less_exciter(&self.line, at).iter().zip(&self.weights).map(|(y, w)| y * w.sqrt()).collect();
-        let own = self.vectors[self.modes * weighted.len()..].chunks_exact(weighted.len());
-        let along: Vec<Complex64> = own.map(|h| inner(h, &weighted)).collect();
-        let n = along.len();
+    pub(super) fn free_forces(&self, at: &Amplitudes<'_>, loads: &[Load], free: &Solved) -> Vec<Complex64> {
+        let measured = self.less_exciter(at);
+        let along: Vec<Complex64> = loads
+            .iter()
+            .map(|load| {
+                let column: Vec<Complex64> =
+                    (0..measured.len()).map(|s| self.line.acceleration(s, *load)).collect();
+                self.product(&column, &measured)
+            })
+            .collect();
+        let n = loads.len();
         (0..n).map(|u| (0..n).map(|i| free.covariance[u * n + i] * along[i]).sum()).collect()
     }
 
-    /// What the forces leave of the vectors `B`, [`Self::rows`] of each after the other, and of the measured accelerations.
-    pub(super) fn leave(&self, solved: &Solved, vectors: &mut Vec<Complex64>, measured: &mut Vec<Complex64>) {
-        let sensors = self.measured.len();
-        let made = |u: usize| &self.vectors[(self.modes + u) * sensors..][..sensors];
-        let rows = |of: &[Complex64], force: &dyn Fn(usize) -> Complex64, out: &mut Vec<Complex64>| {
-            let first = out.len();
-            out.extend_from_slice(of);
-            for u in 0..solved.held.len() {
-                let force = force(u);
-                out[first..][..sensors].iter_mut().zip(made(u)).for_each(|(left, h)| *left -= h * force);
-                out.push(force * solved.held[u]);
+    /// Products of what the forces leave of the vectors `B` (`D × D`), and with what they leave of the measured ones (`D`).
+    pub(super) fn left(&self, solved: &Solved) -> (Vec<Complex64>, Vec<Complex64>) {
+        let (size, loads) = (self.size(), self.loads());
+        let (mut products, mut along) = (self.products.clone(), self.along.clone());
+        for d in 0..size {
+            for u in 0..loads {
+                let common = self.products[d * size + self.modes + u];
+                along[d] -= common * solved.own[u];
+                for (entry, taken) in
+                    products[d * size..(d + 1) * size].iter_mut().zip(&solved.taken[u * size..(u + 1) * size])
+                {
+                    *entry -= common * taken;
+                }
             }
-        };
-        vectors.clear();
-        for (d, of) in self.vectors.chunks_exact(sensors).enumerate() {
-            rows(of, &|u| solved.taken(u, d), vectors);
         }
-        measured.clear();
-        rows(&self.weighted, &|u| solved.own[u], measured);
+        (products, along)
     }
-}
-
-fn less_exciter(line: &LineReceptances, at: &Amplitudes<'_>) -> Vec<Complex64> {
-    let makes = |s: usize| line.acceleration(s, Load::Exciter) * at.exciter;
-    at.accelerations.iter().enumerate().map(|(s, a)| a - makes(s)).collect()
-}
-
-/// `a^H b`.
-fn inner(a: &[Complex64], b: &[Complex64]) -> Complex64 {
-    a.iter().zip(b).map(|(a, b)| a.conj() * b).sum()
 }
 
 #[cfg(test)]
 impl Bin {
-    /// Products of what the forces leave of the vectors `B` (`D × D`), and with what they leave of the measured ones (`D`), by the difference.
-    pub(super) fn left(&self, solved: &Solved) -> (Vec<Complex64>, Vec<Complex64>) {
-        let (size, sensors) = (self.size(), self.measured.len());
-        let of = |d: usize| &self.vectors[d * sensors..][..sensors];
-        let common = |d: usize, force: &dyn Fn(usize) -> Complex64| -> Complex64 {
-            (0..self.loads()).map(|u| self.across[u * size + d].conj() * force(u)).sum()
-        };
-        let product = |e: usize| {
-            let (a, b) = (e / size, e % size);
-            inner(of(a), of(b)) - common(a, &|u| solved.taken(u, b))
-        };
-        let along = |d: usize| inner(of(d), &self.weighted) - common(d, &|u| solved.own[u]);
-        ((0..size * size).map(product).collect(), (0..size).map(along).collect())
-    }
-
     /// What the forces leave of the measured accelerations, squared under the weights, with what their prior adds.
     pub(super) fn measured_left(&self, solved: &Solved) -> f64 {
-        let taken = self.along.iter().zip(&solved.own).map(|(a, own)| (a.conj() * own).re);
-        inner(&self.weighted, &self.weighted).re - taken.sum::<f64>()
+        let taken = self.along[self.modes..].iter().zip(&solved.own).map(|(a, own)| (a.conj() * own).re);
+        self.product(&self.measured, &self.measured).re - taken.sum::<f64>()
     }
 }
 
 impl Solved {
     /// Force of a load for the vector `d` in place of the accelerations.
     pub(super) fn taken(&self, load: usize, d: usize) -> Complex64 {
-        self.taken[load * self.size + d]
-    }
-
-    /// Force of a load for so much of each vector in place of the accelerations.
-    pub(super) fn made(&self, load: usize, moved: &[Complex64]) -> Complex64 {
-        self.taken[load * self.size..].iter().zip(moved).map(|(taken, x)| taken * x).sum()
+        let size = self.taken.len() / self.own.len();
+        self.taken[load * size + d]
     }
 
     /// Variance (N²) of each force.
@@ -300,24 +265,12 @@ mod tests {
                 )
             };
             let target = expected.remainder(&bin.measured);
+            let inner = |a: &[Complex64], b: &[Complex64]| -> Complex64 {
+                a.iter().zip(b).map(|(a, b)| a.conj() * b).sum()
+            };
             for n in 0..3 {
                 assert!(close(along[n], inner(&shape(n), &target)));
                 assert!(close(products[n * bin.size() + 1], inner(&shape(n), &shape(1))));
-            }
-            let (mut vectors, mut measured) = (Vec::new(), Vec::new());
-            bin.leave(&found, &mut vectors, &mut measured);
-            let row = |d: usize| &vectors[d * bin.rows()..][..bin.rows()];
-            assert!((inner(&measured, &measured).re - bin.measured_left(&found)).abs() < 1e-8);
-            // By the difference, what is left is known to the rounding of what was there.
-            let there =
-                |d: usize| bin.vectors[d * 5..][..5].iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
-            for a in 0..bin.size() {
-                let left = inner(row(a), &measured) - along[a];
-                assert!(left.norm() < 1e-12 * there(a) * inner(&bin.weighted, &bin.weighted).re.sqrt());
-                for b in 0..bin.size() {
-                    let left = inner(row(a), row(b)) - products[a * bin.size() + b];
-                    assert!(left.norm() < 1e-12 * there(a) * there(b), "{a} {b} {left}");
-                }
             }
         }
     }

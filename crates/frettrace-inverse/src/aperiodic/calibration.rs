@@ -11,12 +11,11 @@
 
 use super::ends::Decay;
 use super::known::Known;
-use super::{Column, Estimated, Round, Whole};
+use super::{Estimated, PART, Round, Whole};
 use crate::RunData;
 use crate::calibration::{Equations, Step};
 use crate::contact::Setting;
 use crate::dynamics::{LineReceptances, Load};
-use faer::Mat;
 use frettrace_fourier::Harmonics;
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -62,20 +61,54 @@ impl Estimated<'_> {
         }
         let of_lines = whole.moved_lines(exciter, decays.len());
         let (parameters, unknowns) = (decays.len(), round.common.len());
-        let products = whole.slopes((&decays, &of_lines), round);
+        let sums = whole.slopes((&decays, &of_lines), round);
         let size = step.gradient.len();
-        // What the common unknowns take up.
-        let across = products.submatrix(unknowns, 0, parameters, unknowns);
-        let taken = across * &round.covariance * across.transpose();
         for p in 0..parameters {
-            let own = unknowns + p;
-            step.gradient[p] = products[(unknowns + parameters, own)];
+            step.gradient[p] = sums.gradient[p];
+            step.matrix[p * size..][..parameters]
+                .copy_from_slice(&sums.matrix[p * parameters..][..parameters]);
+        }
+        let across = &sums.across;
+        // What the common unknowns take up.
+        for p in 0..parameters {
+            let answer: Vec<f64> = (0..unknowns)
+                .map(|i| (0..unknowns).map(|j| round.covariance[(i, j)] * across[j * parameters + p]).sum())
+                .collect();
             for q in 0..parameters {
-                let product = products[(own.max(unknowns + q), own.min(unknowns + q))];
-                step.matrix[p * size + q] = product - taken[(p, q)];
+                let taken: f64 = answer.iter().enumerate().map(|(i, a)| across[i * parameters + q] * a).sum();
+                step.matrix[q * size + p] -= taken;
             }
         }
         step
+    }
+}
+
+/// `ZᵀZ`, `Zᵀr` and `XᵀZ`, row-major.
+struct Slopes {
+    matrix: Vec<f64>,
+    gradient: Vec<f64>,
+    across: Vec<f64>,
+}
+
+impl Slopes {
+    fn zero(parameters: usize, unknowns: usize) -> Self {
+        Self {
+            matrix: vec![0.0; parameters * parameters],
+            gradient: vec![0.0; parameters],
+            across: vec![0.0; unknowns * parameters],
+        }
+    }
+
+    fn add(mut self, other: &Self) -> Self {
+        let pairs = [
+            (&mut self.matrix, &other.matrix),
+            (&mut self.gradient, &other.gradient),
+            (&mut self.across, &other.across),
+        ];
+        for (sum, part) in pairs {
+            sum.iter_mut().zip(part).for_each(|(sum, x)| *sum += x);
+        }
+        self
     }
 }
 
@@ -104,20 +137,52 @@ impl Whole<'_> {
         (0..parameters).into_par_iter().map(moved).collect()
     }
 
-    /// Products (lower triangle) over all bins of what the forces leave: of the common unknowns, of the parameters, and of the accelerations less what the
-    /// common unknowns make of them.
-    fn slopes(&self, (decays, lines): (&[Decay], &[Vec<Complex64>]), round: &Round) -> Mat<f64> {
-        let columns = |k: usize, out: &mut Vec<Column>| {
-            let answered = self.forces(k, round).1;
-            let omega = self.bins[k].line.omega();
-            self.add_columns(k, &round.jumps, out);
-            out.extend(decays.iter().zip(lines).enumerate().map(|(p, (decay, line))| {
-                let moved =
-                    self.motion((k, p), &answered) * (omega * omega) + line[k] - decay.acceleration[k];
-                (p / 2, moved)
-            }));
+    /// Sums over all bins, in parts of one size that are added in order.
+    fn slopes(&self, moved: (&[Decay], &[Vec<Complex64>]), round: &Round) -> Slopes {
+        let zero = || Slopes::zero(moved.0.len(), round.common.len());
+        let part = |first: usize| {
+            let mut sums = zero();
+            for k in first..(first + PART).min(self.bins.len()) {
+                self.add_slopes(k, moved, round, &mut sums);
+            }
+            sums
         };
-        self.products_left(&round.solved, round.common.len() + decays.len(), columns, Some(round))
+        let parts: Vec<Slopes> =
+            (0..self.bins.len().div_ceil(PART)).into_par_iter().map(|p| part(p * PART)).collect();
+        parts.iter().fold(zero(), Slopes::add)
+    }
+
+    fn add_slopes(
+        &self,
+        k: usize,
+        (decays, lines): (&[Decay], &[Vec<Complex64>]),
+        round: &Round,
+        sums: &mut Slopes,
+    ) {
+        let (bin, answered) = (&self.bins[k], self.forces(k, round).1);
+        let omega = bin.line.omega();
+        let along_mode = |(p, (decay, line)): (usize, (&Decay, &Vec<Complex64>))| {
+            self.motion((k, p), &answered) * (omega * omega) + line[k] - decay.acceleration[k]
+        };
+        let z: Vec<Complex64> = decays.iter().zip(lines).enumerate().map(along_mode).collect();
+        let (products, mut along) = bin.left(&round.solved[k]);
+        let (size, parameters) = (along.len(), z.len());
+        // Twice: a bin's real and imaginary parts have half the variance each.
+        let rows = sums.across.chunks_exact_mut(parameters);
+        for (((d, x), c), row) in self.columns(k, &round.jumps).iter().zip(&round.common).zip(rows) {
+            along.iter_mut().enumerate().for_each(|(m, left)| *left -= products[m * size + d] * x * *c);
+            let twice = x.conj() * 2.0;
+            for (p, (entry, z)) in row.iter_mut().zip(&z).enumerate() {
+                *entry += (twice * products[d * size + p / 2] * z).re;
+            }
+        }
+        for (p, row) in sums.matrix.chunks_exact_mut(parameters).enumerate() {
+            let twice = z[p].conj() * 2.0;
+            sums.gradient[p] += (twice * along[p / 2]).re;
+            for (q, (entry, z)) in row.iter_mut().zip(&z).enumerate() {
+                *entry += (twice * products[p / 2 * size + q / 2] * z).re;
+            }
+        }
     }
 }
 
@@ -183,9 +248,7 @@ mod tests {
         on(&declared, &mut |whole| {
             let round = whole.round(priors());
             let moved = (&whole.moved_decays(&round)[..], &whole.moved_lines(&line, 6)[..]);
-            let products = whole.slopes(moved, &round);
-            let (last, unknowns) = (products.nrows() - 1, round.common.len());
-            gradient = (unknowns..last).map(|p| products[(last, p)]).collect();
+            gradient = whole.slopes(moved, &round).gradient;
         });
         let largest = gradient.iter().map(|g| g.abs()).fold(0.0, f64::max);
         assert!(largest > 1.0);

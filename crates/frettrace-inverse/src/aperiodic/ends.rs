@@ -3,7 +3,6 @@
 use frettrace_beam::ModalModel;
 use frettrace_fourier::spectrum;
 use num_complex::Complex64;
-use rayon::prelude::*;
 
 /// Spectra of one decay, from bin 1: of `Re(s e^{λt})` as an acceleration, and of the velocity and displacement it belongs to.
 #[derive(Clone)]
@@ -21,18 +20,13 @@ pub(super) struct Decays {
 impl Decays {
     pub(super) fn new(model: &ModalModel, record: &Record) -> Self {
         let starts = [Complex64::ONE, Complex64::I];
-        let of_mode = |n: usize| {
-            let pole = pole(model, n);
-            let [even, odd] = starts.map(|start| record.bins(pole, |_| start));
-            // `Re(a e^{λt})` is linear in the parts of `a`.
-            let bins = |a: Complex64| even.iter().zip(&odd).map(|(e, o)| e * a.re + o * a.im).collect();
-            starts.map(|start| Decay {
-                acceleration: bins(start),
-                velocity: bins(start / pole),
-                displacement: bins(start / (pole * pole)),
+        let decays = (0..record.modes).flat_map(|n| starts.map(|start| (pole(model, n), start)));
+        let all = decays
+            .map(|(pole, start)| {
+                let bins = |power: i32| record.bins(pole, |_| start * pole.powi(-power));
+                Decay { acceleration: bins(0), velocity: bins(1), displacement: bins(2) }
             })
-        };
-        let all = (0..record.modes).into_par_iter().flat_map_iter(of_mode).collect();
+            .collect();
         Self { all }
     }
 

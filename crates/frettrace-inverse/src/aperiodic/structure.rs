@@ -6,7 +6,7 @@
 
 use super::ends::{Decay, Decays};
 use super::sources::{Common, Outputs, Spectra, combined};
-use super::{Column, Round, Whole};
+use super::{Round, Whole};
 use crate::calibration::generalised_force;
 use crate::contact::COMPLIANCE_DOUBT;
 use crate::dynamics::Load;
@@ -95,13 +95,17 @@ impl Whole<'_> {
     /// Change of the common unknowns, a row each, with each parameter.
     fn answers(&self, moved: &[Vec<Moved>], parameters: usize, round: &Round) -> Vec<Vec<f64>> {
         let unknowns = round.common.len();
-        let columns = |k: usize, out: &mut Vec<Column>| {
-            self.add_columns(k, &round.jumps, out);
-            out.extend(moved[k].iter().enumerate().map(|(p, moved)| (p / 2, moved.z)));
-        };
-        let products = self.products_left(&round.solved, unknowns + parameters, columns, None);
-        let answers = &round.covariance * products.submatrix(unknowns, 0, parameters, unknowns).transpose();
-        (0..unknowns).map(|i| (0..parameters).map(|p| answers[(i, p)]).collect()).collect()
+        let mut right = vec![vec![0.0; parameters]; unknowns];
+        for (k, (bin, moved)) in self.bins.iter().zip(moved).enumerate() {
+            let (products, along) = bin.left(&round.solved[k]);
+            for (row, (d, x)) in right.iter_mut().zip(self.columns(k, &round.jumps)) {
+                for (p, (entry, moved)) in row.iter_mut().zip(moved).enumerate() {
+                    *entry += 2.0 * (x.conj() * products[d * along.len() + p / 2] * moved.z).re;
+                }
+            }
+        }
+        let row = |i: usize, p: usize| (0..unknowns).map(|j| round.covariance[(i, j)] * right[j][p]).sum();
+        (0..unknowns).map(|i| (0..parameters).map(|p| row(i, p)).collect()).collect()
     }
 
     /// Change of the outputs per standard deviation of the flexibility that the beam theory does not hold for; sensors do not see it.
