@@ -79,6 +79,13 @@ impl Study<'_> {
         }
     }
 
+    /// A model whose deviations hold that.
+    pub(crate) fn doubted(&self, model: &Explained) -> Explained {
+        let mut doubted = model.clone();
+        self.doubt_values(&mut doubted);
+        doubted
+    }
+
     /// How far the phase grid bends each of the unknowns.
     fn bent(&self, setting: &Setting, unknowns: &[Unknown], memory: &Memory) -> Option<Vec<f64>> {
         let finer = self.refined().ok()??;

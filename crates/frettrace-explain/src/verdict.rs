@@ -93,8 +93,12 @@ impl Rival {
     }
 
     /// A model and its own rivals as those of a better one.
-    fn of_better(better: &Explained, (model, rivals): (&Explained, Vec<Self>)) -> Vec<Self> {
-        let behind = model.criterion - better.criterion;
+    fn of_better(better: &Explained, of: (&Explained, Vec<Self>)) -> Vec<Self> {
+        Self::of_one_better_by(of.0.criterion - better.criterion, of)
+    }
+
+    /// The same of one that explains all runs better by so much.
+    fn of_one_better_by(behind: f64, (model, rivals): (&Explained, Vec<Self>)) -> Vec<Self> {
         let moved = |rival: Self| Self { behind: rival.behind + behind, ..rival };
         rivals.into_iter().chain(Self::of(model, 0.0)).map(moved).collect()
     }
@@ -400,8 +404,7 @@ impl Search<'_> {
     /// A complete model whose only effect is nothing within its deviations is the declared one, though a balance has no answer with the effect taken
     /// out and all else as it is.
     fn unnamed(&mut self, model: &Explained) -> Option<Explained> {
-        let mut doubted = model.clone();
-        self.study.doubt_values(&mut doubted);
+        let doubted = self.study.doubted(model);
         let within = |unknown: &Unknown| {
             let deviation = doubted.deviation(unknown.quantity);
             let value = model.fitted.setting.get(unknown.quantity);

@@ -97,8 +97,7 @@ impl Search<'_> {
             if times.peek().is_none() || !model.complete() {
                 return false;
             }
-            let mut doubted = model.clone();
-            self.study.doubt_values(&mut doubted);
+            let doubted = self.study.doubted(model);
             let deviation = |&hook: &Hook| doubted.deviation(Quantity::Law(hook));
             times.all(|hook| law.get(*hook).is_some_and(|time| time <= HALF_INTERVAL95 * deviation(hook)))
         };

@@ -1,6 +1,7 @@
 //! One effect more in the contact.
 
 use super::{EVIDENCE, FORETOLD, PROXY, Rival, Search, Tried};
+use crate::contact_search::ContactCandidate;
 use crate::effects::{ALL, EffectPlace};
 use crate::search::{COMPLETE, Explained, excess};
 use crate::study::merge;
@@ -161,32 +162,42 @@ impl Search<'_> {
             let of_contact = ALL[rival.effect].place() == EffectPlace::Contact;
             of_contact && rival.effect != effect && rival.excess <= excess(COMPLETE)
         };
-        let rivals: Vec<usize> = self.rivals.iter().filter(follows).map(|rival| rival.effect).collect();
-        for name in std::iter::once(effect).chain(rivals) {
+        let mut names = vec![effect];
+        for rival in self.rivals.iter().filter(follows) {
+            if !names.contains(&rival.effect) {
+                names.push(rival.effect);
+            }
+        }
+        let id = ALL[effect].id();
+        for name in names {
             let forms = self.study.forms_of(&recovered, &bare, &law, name);
-            let asked = self.study.contact_round(baseline, &forms);
-            let followed = self.answered(asked).into_iter().filter(Explained::complete);
-            let judged = followed.map(|one| (self.held_out_ratio(&one), one));
-            let best = judged.min_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((_, other)) = best.filter(|(ratio, _)| *ratio <= FORETOLD) else { continue };
-            let [id, by] = [effect, name].map(|effect| ALL[effect].id());
+            let Some(other) = self.that_foretells(baseline, &forms) else { continue };
             if name == effect {
                 self.notes.push(format!(
                     "{id} has several formulas that follow the fitted runs, and the one that foretells the runs held out is taken: it was at {missed:.2} times the noise there in another"
                 ));
             } else {
                 self.notes.push(format!(
-                    "{id} follows the fitted runs and is at {missed:.2} times the noise in those held out in all its formulas: {by} foretells them"
+                    "{id} follows the fitted runs and is at {missed:.2} times the noise in those held out in all its formulas: {} foretells them",
+                    ALL[name].id()
                 ));
                 // Evidence is that of all runs: the fitted ones do not tell the two apart.
                 let behind = self.weight(&model) - self.weight(&other);
                 self.rivals.retain(|rival| ![name, effect].contains(&rival.effect));
-                self.rivals.iter_mut().for_each(|rival| rival.behind += behind);
-                self.rivals.extend(Rival::of(&model, behind));
+                self.rivals = Rival::of_one_better_by(behind, (&model, std::mem::take(&mut self.rivals)));
             }
             return other;
         }
         model
+    }
+
+    /// The form that foretells the runs held out best, of those that follow the fitted ones with the whole model; `None` where none foretells them.
+    fn that_foretells(&mut self, baseline: &Explained, forms: &[ContactCandidate]) -> Option<Explained> {
+        let asked = self.study.contact_round(baseline, forms);
+        let followed = self.answered(asked).into_iter().filter(Explained::complete);
+        let judged = followed.map(|one| (self.held_out_ratio(&one), one));
+        let best = judged.min_by(|a, b| a.0.total_cmp(&b.0));
+        best.filter(|(ratio, _)| *ratio <= FORETOLD).map(|(_, one)| one)
     }
 
     fn contact_to_its_end(

@@ -511,7 +511,6 @@ fn of_one(missed: f64) -> String {
 }
 
 /// A fault of a channel as a named effect: it was seen in the samples themselves.
-/// A fault of a channel as a named effect.
 pub(crate) fn faulty(fault: &ChannelFault) -> Named {
     let effect = listed(fault.id).map(|effect| ALL[effect]);
     Named {

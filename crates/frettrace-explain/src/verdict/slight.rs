@@ -109,8 +109,7 @@ impl Search<'_> {
     /// Whether a value that the last effect of a model frees leaves what is declared of it by more than it is uncertain, by what the phase grid bends it
     /// to, too.
     fn leaves_declared(&self, model: &Explained) -> bool {
-        let mut doubted = model.clone();
-        self.study.doubt_values(&mut doubted);
+        let doubted = self.study.doubted(model);
         let declared = self.study.case.unknowns();
         let leaves = |unknown: &Unknown| {
             let prior = declared.iter().find(|d| d.quantity == unknown.quantity)?.parameter.prior?;
