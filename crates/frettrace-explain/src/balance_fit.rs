@@ -3,6 +3,7 @@
 use crate::contact_search::{few_of_each, within_reach};
 use crate::effects::{ALL, StructureForm};
 use crate::fitting::to_rank;
+use crate::search::Explained;
 use crate::study::merge;
 use crate::{Study, Unknown};
 use frettrace_forward::accelerations::{AccelerationModel, Balance, Beside, Quantity, Setting};
@@ -172,6 +173,17 @@ impl Study<'_> {
         let over = |(chi, freedom): (f64, usize)| chi / freedom.max(1) as f64;
         let worst = balances.iter().map(|balance| over(balance.chi_squared())).fold(0.0, f64::max);
         (over(Balance::chi_squared_of(&balances)), worst)
+    }
+
+    /// Share of what a model leaves on its lines, beside their noise, that no contact force takes: what its balance leaves, with the structure
+    /// anywhere within what is declared of it.
+    pub(crate) fn share_of_balance(&self, model: &Explained) -> f64 {
+        let (_, structural) = Unknown::parted(&model.added);
+        let calibrated = self.balance_base(&model.fitted.setting, &structural).setting;
+        let Ok(balances) = self.model.balance(&calibrated, &self.training) else { return 0.0 };
+        let (chi_squared, freedom) = Balance::chi_squared_of(&balances);
+        let left = model.left();
+        (chi_squared - freedom as f64) / (left.excess() * left.count)
     }
 
     fn structure_unknowns(&self) -> Vec<Unknown> {

@@ -1,6 +1,7 @@
 //! Phase grids of a study: as fine as the contact's force asks for.
 
 use super::{ExplainError, Fitted, Study};
+use crate::search::Explained;
 use crate::{Case, RunRecord};
 use frettrace_forward::accelerations::{AccelerationModel, RunLines};
 
@@ -94,6 +95,13 @@ impl Study<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Whether what a model leaves on the lines that it was fitted to is no more than the phase grid may be wrong by.
+    pub(crate) fn is_left_by_grid(&self, model: &Explained) -> bool {
+        let mut doubted = self.clone();
+        let known = doubted.doubt_grid(&model.fitted);
+        known.is_ok() && doubted.left_in(&model.fitted, &self.training).is_noise()
     }
 
     /// What the phase grid of each run may be wrong by, over the noise, in the root mean square of its lines; none where the coarser grid has

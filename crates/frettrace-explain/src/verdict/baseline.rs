@@ -1,5 +1,6 @@
 //! The declared model: what everything is measured against.
 
+use super::finer::NEAR;
 use super::{BALANCE_CALIBRATED, BALANCE_WIDE, Search};
 use crate::search::Explained;
 use crate::support::SupportForce;
@@ -44,7 +45,10 @@ impl Search<'_> {
         let found = if setting.holds_rigidly() {
             let slid = begun(setting.law);
             let mut others = Vec::new();
-            if !slid.as_ref().is_some_and(Explained::complete) {
+            let follows = |model: &Explained| {
+                model.complete() || model.ratio <= NEAR && self.study.is_left_by_grid(model)
+            };
+            if !slid.as_ref().is_some_and(follows) {
                 others = self.study.breakaways(&recovered, &setting, &law);
                 others.push(self.held(&setting));
             }
