@@ -7,9 +7,9 @@
 //! changes by `δ` on a grid with twice the lines moves them by `−C Jᵀδ` to first order. Twice the lines divide the error by about
 //! three, so that all finer grids together move them by half as much again.
 
+use crate::Study;
 use crate::search::Explained;
-use crate::{Study, Unknown};
-use frettrace_forward::accelerations::{Memory, Setting};
+use crate::study::Fitted;
 use frettrace_identify::{Fit, Model};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -61,40 +61,61 @@ impl Curvature {
 
 /// Standard deviations of fitted values from the curvature of the fit and its priors; NaN where it is singular.
 pub(crate) fn deviations<M: Model>(problem: &M, found: &Fit, memory: &M::Memory) -> Vec<f64> {
-    let inflation = (found.cost / problem.residual_count() as f64).max(1.0).sqrt();
-    Curvature::of(problem, &found.values, memory).map_or_else(
-        || vec![f64::NAN; found.values.len()],
-        |curvature| curvature.deviations().iter().map(|std| std * inflation).collect(),
-    )
+    by_curvature(found, Curvature::of(problem, &found.values, memory).as_ref())
+}
+
+/// The same where the curvature is known.
+fn by_curvature(found: &Fit, curvature: Option<&Curvature>) -> Vec<f64> {
+    let by_noise = |curvature: &Curvature| {
+        let inflation = (found.cost / curvature.residual.len() as f64).max(1.0).sqrt();
+        curvature.deviations().iter().map(|std| std * inflation).collect()
+    };
+    curvature.map_or_else(|| vec![f64::NAN; found.values.len()], by_noise)
 }
 
 impl Study<'_> {
-    /// Counts what the phase grid bends among the deviations of a model's values. Nothing is counted where no run can have a finer
-    /// grid, or where the model has no answer there.
-    pub(crate) fn doubt_values(&self, model: &mut Explained) {
-        let fitted = &mut model.fitted;
-        let bent = self.bent(&fitted.setting, &fitted.unknowns, &fitted.memory);
-        for (std, bent) in fitted.deviation.iter_mut().zip(bent.unwrap_or_default()) {
-            *std = std.hypot(bent);
-        }
+    /// Standard deviations of the values of a fitted model from the noise and the priors; NaN where the normal equations are singular.
+    pub(crate) fn deviations(&self, fitted: &Fitted) -> Vec<f64> {
+        by_curvature(&fitted.fit, self.curvature(fitted).as_ref())
     }
 
-    /// A model whose deviations hold that.
+    /// A model with the deviations of its values.
+    pub(crate) fn with_deviations(&self, model: &Explained) -> Explained {
+        let mut told = model.clone();
+        told.fitted.deviation = self.deviations(&model.fitted);
+        told
+    }
+
+    /// Tells the deviations of a model's values with what the phase grid bends. Nothing is counted for that where no run can have a finer
+    /// grid, or where the model has no answer there.
+    pub(crate) fn doubt_values(&self, model: &mut Explained) {
+        let curvature = self.curvature(&model.fitted);
+        let mut spread = by_curvature(&model.fitted.fit, curvature.as_ref());
+        let bent = curvature.and_then(|curvature| self.bent(&model.fitted, &curvature));
+        for (std, bent) in spread.iter_mut().zip(bent.unwrap_or_default()) {
+            *std = std.hypot(bent);
+        }
+        model.fitted.deviation = spread;
+    }
+
+    /// A model with these deviations.
     pub(crate) fn doubted(&self, model: &Explained) -> Explained {
         let mut doubted = model.clone();
         self.doubt_values(&mut doubted);
         doubted
     }
 
+    fn curvature(&self, Fitted { setting, unknowns, memory, fit, .. }: &Fitted) -> Option<Curvature> {
+        Curvature::of(&self.training_problem(setting.clone(), unknowns, memory), &fit.values, memory)
+    }
+
     /// How far the phase grid bends each of the unknowns.
-    fn bent(&self, setting: &Setting, unknowns: &[Unknown], memory: &Memory) -> Option<Vec<f64>> {
+    fn bent(&self, fitted: &Fitted, curvature: &Curvature) -> Option<Vec<f64>> {
+        let Fitted { setting, unknowns, memory, fit, .. } = fitted;
         let finer = self.refined().ok()??;
-        let [coarse, fine] =
-            [self, &finer].map(|study| study.training_problem(setting.clone(), unknowns, memory));
-        let values = coarse.start();
-        let curvature = Curvature::of(&coarse, &values, memory)?;
+        let fine = finer.training_problem(setting.clone(), unknowns, memory);
         let mut residual = DVector::zeros(fine.residual_count());
-        fine.residual(&values, &mut memory.clone(), residual.as_mut_slice()).ok()?;
+        fine.residual(&fit.values, &mut memory.clone(), residual.as_mut_slice()).ok()?;
         let bent = curvature.follow(&(residual - &curvature.residual));
         Some(bent.into_iter().map(|value| ALL_FINER * value.abs()).collect())
     }

@@ -97,21 +97,6 @@ impl Explained {
         self.added.get(first..first + count).unwrap_or_default()
     }
 
-    /// Whether a second support along the beam that came last carries: a spring and a dashpot whose stiffness is nothing within five of its
-    /// deviations are the damping, or the cube, of something else.
-    pub(crate) fn carries(&self) -> bool {
-        let setting = &self.fitted.setting;
-        let is_support = self.effects.last().is_some_and(|&e| ALL[e].id() == "structure.second-support");
-        let index = setting.ports.len().saturating_sub(1);
-        match setting.ports.last() {
-            Some(port) if is_support && port.law == PortLaw::Polynomial => {
-                let deviation = self.deviation(Quantity::Port(index, 0));
-                deviation.is_nan() || port.coefficients[0] > CARRIES * deviation
-            }
-            _ => true,
-        }
-    }
-
     /// By how much its criterion is below that of another model. Runs without a period that do not judge it, because it has more than a law
     /// that differs, are no evidence for it.
     pub(crate) fn gain(&self, over: &Self) -> f64 {
@@ -173,6 +158,21 @@ pub(crate) fn excess(ratio: f64) -> f64 {
 }
 
 impl Study<'_> {
+    /// Whether a second support along the beam that came last into a model carries: a spring and a dashpot whose stiffness is nothing within
+    /// five of its deviations are the damping, or the cube, of something else.
+    pub(crate) fn carries(&self, model: &Explained) -> bool {
+        let setting = &model.fitted.setting;
+        let is_support = model.effects.last().is_some_and(|&e| ALL[e].id() == "structure.second-support");
+        let index = setting.ports.len().saturating_sub(1);
+        match setting.ports.last() {
+            Some(port) if is_support && port.law == PortLaw::Polynomial => {
+                let deviation = self.with_deviations(model).deviation(Quantity::Port(index, 0));
+                deviation.is_nan() || port.coefficients[0] > CARRIES * deviation
+            }
+            _ => true,
+        }
+    }
+
     /// Fits a model of the whole rig: the law first, then everything where the law comes near.
     pub(crate) fn whole(
         &self,
@@ -186,11 +186,14 @@ impl Study<'_> {
                 && !added.iter().any(|a| a.quantity == q)
         };
         let few: Vec<Unknown> = unknowns.iter().filter(|u| !structural(u.quantity)).cloned().collect();
-        let first = self.fit(setting, &few, &self.model.memory(), iterations.min(6))?;
+        let first = self.fitted(setting, &few, &self.model.memory(), iterations.min(6))?;
         // Far from the data the structure would only be bent to the law's faults, unless it is known loosely itself.
         let near = self.error(&first, &self.training).ratio() < 6.0 || self.case.loosely_known();
-        let fitted =
-            if near { self.fit(first.setting.clone(), unknowns, &first.memory, iterations)? } else { first };
+        let fitted = if near {
+            self.fitted(first.setting.clone(), unknowns, &first.memory, iterations)?
+        } else {
+            first
+        };
         Ok(self.judged(fitted, effects, added))
     }
 
@@ -217,7 +220,7 @@ impl Study<'_> {
         (memory, most): (&Memory, usize),
     ) -> Result<Explained, ExplainError> {
         let unknowns = merge(&self.case.unknowns(), &from.added);
-        let fitted = self.fit(from.fitted.setting.clone(), &unknowns, memory, most)?;
+        let fitted = self.fitted(from.fitted.setting.clone(), &unknowns, memory, most)?;
         let mut found = self.judged(fitted, from.effects.clone(), from.added.clone());
         found.sensors.clone_from(&from.sensors);
         found.counts.clone_from(&from.counts);

@@ -1,7 +1,6 @@
 //! The study: split and fits.
 
 use crate::case::Scales;
-use crate::deviation::deviations;
 use crate::search::Explained;
 use crate::series_fit::{SeriesContact, asks_the_clock};
 use crate::split::{Split, by_level};
@@ -100,7 +99,7 @@ pub struct Fitted {
     pub fit: Fit,
     /// Solutions near it.
     pub memory: Memory,
-    /// Standard deviations of the values, from the curvature.
+    /// Standard deviations of the values, from the curvature: of a model that came out of a search, and none of those on its way.
     pub deviation: Vec<f64>,
     /// What it predicts, as far as that was asked.
     pub(crate) predicted: Predicted,
@@ -162,6 +161,19 @@ impl<'a> Study<'a> {
     /// [`ExplainError::Fit`] where the model has no solution at the start.
     pub fn fit(
         &self,
+        setting: Setting,
+        unknowns: &[Unknown],
+        warm: &Memory,
+        most: usize,
+    ) -> Result<Fitted, ExplainError> {
+        let mut fitted = self.fitted(setting, unknowns, warm, most)?;
+        fitted.deviation = self.deviations(&fitted);
+        Ok(fitted)
+    }
+
+    /// The same without the deviations of the values, which cost as much as a step and are asked of few models.
+    pub(crate) fn fitted(
+        &self,
         mut setting: Setting,
         unknowns: &[Unknown],
         warm: &Memory,
@@ -184,7 +196,7 @@ impl<'a> Study<'a> {
             if let Err(unsolved) = self.model.approach(&setting, &self.training, &mut memory) {
                 // A run whose balance does not close at the start joins once the others have improved the law.
                 let others = self.without_run(&unsolved).ok_or(unsolved)?;
-                let nearer = others.fit(setting, &unknowns, warm, most)?;
+                let nearer = others.fitted(setting, &unknowns, warm, most)?;
                 (setting, memory) = (nearer.setting, nearer.memory);
                 problem = self.training_problem(setting.clone(), &unknowns, &memory);
                 self.begin(&setting, &self.training, &mut memory);
@@ -195,8 +207,8 @@ impl<'a> Study<'a> {
         let setting = problem.at(&found.values);
         // Warm starts for what comes next; a run that does not balance keeps none.
         let _ = self.model.predict(&setting, &self.training, &mut memory);
-        let deviation = deviations(&problem, &found, &memory);
-        Ok(Fitted { setting, unknowns, fit: found, memory, deviation, predicted: Predicted::default() })
+        let (deviation, predicted) = (Vec::new(), Predicted::default());
+        Ok(Fitted { setting, unknowns, fit: found, memory, deviation, predicted })
     }
 
     /// The same study without the training run that has no answer; `None` where too few would be left to tell a law.

@@ -168,7 +168,7 @@ impl Search<'_> {
         let rubs = STANDS_IN_FOR.iter().all(|id| self.study.case.allows(id));
         for Asked { effect, answer } in asked {
             match answer {
-                Ok(model) if rubs || model.carries() => found.push(model),
+                Ok(model) if rubs || self.study.carries(&model) => found.push(model),
                 Ok(_) => {}
                 Err(reason) => self.refused.push((effect, reason.to_string())),
             }

@@ -118,6 +118,7 @@ impl<'a> Begun<'a> {
         search.study.silence(&baseline.fitted.setting.law);
         search.before = search.errors_as_read(&baseline);
         search.within_method = !baseline.complete() && search.within_method(&baseline);
+        let baseline = search.study.with_deviations(&baseline);
         Ok(Self { search, baseline })
     }
 
@@ -199,6 +200,9 @@ impl<'a> Begun<'a> {
         let model = search.in_the_form_that_foretells(&baseline, model);
         let model = search.against_outsiders(&baseline, model);
         let model = search.with_lift_off(model);
+        if baseline.fitted.deviation.is_empty() {
+            baseline = search.study.with_deviations(&baseline);
+        }
         Ok(Found { begun, search, baseline, model })
     }
 }

@@ -304,7 +304,7 @@ impl Search<'_> {
         let mut effects = current.effects.clone();
         effects.push(candidate.effect);
         let together = |setting: Setting, memory: &Memory| {
-            let fitted = self.study.fit(setting, &unknowns, memory, TOGETHER).ok()?;
+            let fitted = self.study.fitted(setting, &unknowns, memory, TOGETHER).ok()?;
             Some(self.study.judged(fitted, effects.clone(), added.clone()))
         };
         let cold = self.study.whole(setting.clone(), &unknowns, (effects.clone(), added.clone()), 12);

@@ -84,11 +84,12 @@ impl Search<'_> {
         if !current.left().is_noise() {
             return None;
         }
-        let fitted = &current.fitted;
+        let told = self.study.with_deviations(current);
+        let fitted = &told.fitted;
         let declared = fitted.unknowns.iter().filter(|u| matches!(u.quantity, Quantity::ModeFrequency(_)));
         let off = |unknown: &Unknown| {
             let (value, prior) = (fitted.setting.get(unknown.quantity)?, unknown.parameter.prior?);
-            let spread = prior.std.hypot(current.deviation(unknown.quantity));
+            let spread = prior.std.hypot(told.deviation(unknown.quantity));
             Some((unknown.quantity, (value - prior.mean).abs() / spread))
         };
         let farthest = declared.filter_map(off).max_by(|a, b| a.1.total_cmp(&b.1));
