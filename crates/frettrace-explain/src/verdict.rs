@@ -115,7 +115,7 @@ struct Search<'a> {
     other_formula: bool,
     /// Whether a mode must leave what was declared of it, and its name is not asked for.
     strained: bool,
-    /// Whether a mode that deviates from what was declared of it is named, which no error shows.
+    /// Whether a mode that deviates from what was declared of it is named, or what makes it deviate, which no error shows.
     deviates: bool,
     /// Whether one set of values of the declared law follows all runs, those that were held out among them.
     of_one_law: bool,

@@ -28,7 +28,7 @@ const QUICK: f64 = 1.0;
 /// line in the quietest run; a stop that only a run without a period reaches, one whose gap was held to where recovered runs rest, a support whose
 /// curve four terms carry from where two have come to, and a wear that the fitted runs did not tell from an ageing; a play whose formula a lag mended that was
 /// none, a damping that the phase grid bent, and a film that foretold what an ageing did not.
-const MENDED: [(u64, &str); 77] = [
+const MENDED: [(u64, &str); 78] = [
     (251, "clean 2 lugre rotation"),
     (251, "structure.quadratic-damping 1 hybrid transverse"),
     (251, "unlisted:structure/even-stiffness 1 dahl transverse"),
@@ -106,6 +106,7 @@ const MENDED: [(u64, &str); 77] = [
     (316, "contact.backlash/gradual 1 lugre rotation"),
     (317, "clean 82 lugre rotation"),
     (317, "friction.film/rational 1 dahl rotation"),
+    (318, "structure.cubic-stiffness 2 dahl transverse"),
 ];
 
 fn run() -> anyhow::Result<Outcome> {

@@ -3,7 +3,7 @@
 //! Lines hold a small part of the noise of all samples: the values of a law and of a structure may be bent until the error is within that.
 
 use super::rules::helps;
-use super::{EVIDENCE, Search};
+use super::{EVIDENCE, Rival, Search};
 use crate::Unknown;
 use crate::balance_fit::BalanceCandidate;
 use crate::effects::{ALL, listed};
@@ -79,7 +79,7 @@ impl Search<'_> {
     }
 
     /// A complete model whose lines hold noise, with a natural frequency farther from what was declared than its deviation lets it be by chance,
-    /// with that frequency free: no error shows it, and it says so itself.
+    /// with that frequency free, or with a force on the beam that explains it better: no error shows it, and it says so itself.
     pub(super) fn deviating(&mut self, current: &Explained) -> Option<Explained> {
         if !current.left().is_noise() {
             return None;
@@ -100,6 +100,16 @@ impl Search<'_> {
         found.book(current);
         if !found.complete() || !found.left().is_noise() || found.gain(current) < EVIDENCE {
             return None;
+        }
+        // A force on the beam moves its frequencies, too, and may say the same with more right.
+        if let Ok(Some(force)) = self.hidden_round(current, None) {
+            if force.left().is_noise() && force.criterion + EVIDENCE < found.criterion {
+                self.rivals.extend(Rival::of(&found, found.criterion - force.criterion));
+                self.deviates = true;
+                return Some(force);
+            }
+            let behind = std::mem::take(&mut self.rivals);
+            self.rivals = Rival::of_better(&found, (&force, behind));
         }
         let allowed = self.may_be_named(&found);
         self.strained = !allowed;
