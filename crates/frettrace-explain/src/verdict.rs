@@ -18,6 +18,7 @@ mod finer;
 mod open_runs;
 mod outcome;
 mod outside_rounds;
+mod pairs;
 mod rules;
 mod slight;
 mod steady;
@@ -312,6 +313,12 @@ impl Search<'_> {
             if settled && !self.series_open(&current) {
                 break;
             }
+        }
+        if !current.complete()
+            && self.most_effects > 1
+            && let Some(pair) = self.paired(baseline)
+        {
+            current = self.pruned(pair);
         }
         Ok(current)
     }

@@ -422,6 +422,34 @@ fn a_gain_belongs_to_its_sensor() {
     assert_eq!(nameless.place, Some(Place::Measurement), "{:?}", nameless.verdict);
 }
 
+/// A clamp that gives way (a rotational stiffness of 800 `EI/L`, declared rigid) with a sensor that is 30 µs late, and a mass of half a per cent of the
+/// beam's with a sensor 3 mm off: with either effect alone the model is as far off as the other one makes it.
+#[test]
+fn two_effects_outside_the_contact_are_told_together() {
+    let plain = rig();
+    let mut late = plain.clone();
+    late.boundary.clamp_rotational_stiffness = 800.0 * late.beam.bending_stiffness / LENGTH;
+    late.sensors[1].chain.delay = 3e-5;
+    let mut shifted = plain.clone();
+    shifted.attached = vec![(0.35, Attached::Mass(5e-3 * shifted.beam.mass_per_length * LENGTH))];
+    shifted.sensors[3].position += 3e-3;
+    let both = [
+        (late, ["measurement.delay", "structure.clamp-compliance"]),
+        (shifted, ["measurement.position", "structure.added-mass"]),
+    ];
+    for (rig, acting) in both {
+        let mut case = declared(&rig, &measured(&rig, &LEVELS));
+        let as_declared = declared(&plain, &[]);
+        (case.rig, case.modes) = (as_declared.rig, as_declared.modes);
+        let outcome = explain(&case).unwrap();
+        let mut named: Vec<&str> = outcome.effects.iter().map(|e| e.id).collect();
+        named.sort_unstable();
+        assert_eq!(named, acting, "{:?}", outcome.held_out);
+        let after = outcome.held_out.unwrap()[1].ratio();
+        assert!(after < 1.2, "{acting:?}: {after}");
+    }
+}
+
 /// A soft limit has no flat tops: the other sensors say what the channel should read. Its formula is not the one that is fitted.
 #[test]
 fn a_soft_limit_belongs_to_its_sensor() {

@@ -184,21 +184,33 @@ impl Search<'_> {
         model
     }
 
+    /// Effects outside the contact on the balance, best first, and what it costs without any: around a setting, beside what effects that are taken
+    /// already have added.
+    pub(super) fn structure_candidates(
+        &self,
+        setting: &Setting,
+        added: &[Unknown],
+        taken: &[usize],
+    ) -> (BalanceCandidate, Vec<BalanceCandidate>) {
+        let (_, structural) = Unknown::parted(added);
+        let plain = self.study.balance_base(setting, &structural);
+        let mut candidates = self.study.balance_candidates(setting, &structural, taken);
+        if setting.ports.is_empty() {
+            candidates.extend(self.study.force_candidates(setting, plain.criterion));
+            candidates.extend(self.study.base_candidate(setting, plain.criterion));
+        }
+        candidates.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        (plain, candidates)
+    }
+
     /// Effects outside the contact that bring χ² per degree of freedom of the balance below `limit`.
     pub(super) fn structure_round(
         &mut self,
         current: &Explained,
         limit: f64,
     ) -> Result<Option<Explained>, ExplainError> {
-        let (_, structural) = Unknown::parted(&current.added);
         let setting = self.structural_start(current);
-        let plain = self.study.balance_base(&setting, &structural);
-        let mut candidates = self.study.balance_candidates(&setting, &structural, &current.effects);
-        if setting.ports.is_empty() {
-            candidates.extend(self.study.force_candidates(&setting, plain.criterion));
-            candidates.extend(self.study.base_candidate(&setting, plain.criterion));
-        }
-        candidates.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        let (plain, mut candidates) = self.structure_candidates(&setting, &current.added, &current.effects);
         // One form of each effect is re-fitted, of the best effect two: on recovered forces close forms change places.
         let leader = candidates.first().map(|c| c.effect);
         let mut seen = Vec::new();

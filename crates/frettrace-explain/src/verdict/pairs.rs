@@ -1,0 +1,95 @@
+//! Two effects outside the contact at once.
+//!
+//! Effects are found one after the other, each by what the whole model leaves with it. Where two act and none of them is small, that says little: with
+//! either one alone the model is as far off as the other one makes it. The balance knows of no law and is a least-squares problem in both: the best
+//! of its single effects are each asked which second one takes what they leave, and what does is fitted as a whole, both effects from the start.
+
+use super::{BALANCE_CLOSED, EVIDENCE, Rival, Search, Tried};
+use crate::Unknown;
+use crate::balance_fit::BalanceCandidate;
+use crate::effects::ALL;
+use crate::search::Explained;
+use frettrace_forward::accelerations::Setting;
+use rayon::prelude::*;
+
+/// Single effects that a second one is asked beside.
+const FIRSTS: usize = 4;
+/// Pairs that are fitted as a whole, …
+const FITTED: usize = 3;
+/// … where they leave no more than this share of what the best single effect does: a force is located before the first effect's values are
+/// free beside it.
+const TAKEN: f64 = 0.05;
+
+impl Search<'_> {
+    /// The declared model with the two effects outside the contact that close its balance together, where no single one does; `None` where none
+    /// explain all that is missing.
+    pub(super) fn paired(&mut self, declared: &Explained) -> Option<Explained> {
+        let start = self.declared_start(declared);
+        let (plain, singles) = self.structure_candidates(&start, &[], &[]);
+        let closes = |candidate: &BalanceCandidate| candidate.reduced < BALANCE_CLOSED;
+        let single = singles.first().filter(|single| !closes(single) && !closes(&plain))?;
+        let most = TAKEN * single.criterion;
+        let worth = |candidate: &BalanceCandidate| closes(candidate) || candidate.criterion < most;
+        let mut firsts: Vec<BalanceCandidate> = Vec::new();
+        for single in singles {
+            if firsts.len() < FIRSTS && firsts.iter().all(|first| first.effect != single.effect) {
+                firsts.push(single);
+            }
+        }
+        let mut pairs: Vec<(Explained, BalanceCandidate)> = firsts
+            .par_iter()
+            .flat_map_iter(|first| {
+                let with = self.with_first(declared, first);
+                let setting = Setting {
+                    frequency: start.frequency.clone(),
+                    damping: start.damping.clone(),
+                    ..first.setting.clone()
+                };
+                let (_, seconds) = self.structure_candidates(&setting, &with.added, &with.effects);
+                seconds
+                    .into_iter()
+                    .filter(worth)
+                    .map(move |second| (with.clone(), second))
+                    .collect::<Vec<_>>()
+            })
+            .collect();
+        pairs.sort_by(|(_, a), (_, b)| a.criterion.total_cmp(&b.criterion));
+        pairs.truncate(FITTED);
+        let asked = pairs.par_iter().map(|(with, second)| self.asked(with, second)).collect();
+        let mut found: Vec<Explained> =
+            self.answered(asked).into_iter().filter(Explained::complete).collect();
+        for one in &mut found {
+            // What the second effect brought comes after what the first one did.
+            let first = pairs.iter().find(|(with, _)| with.effects[0] == one.effects[0])?;
+            one.book(&first.0);
+        }
+        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        let mut found = found.into_iter();
+        let best = found.next()?;
+        let error = self.study.error(&best.fitted, &self.study.training).relative();
+        let evidence = declared.criterion - best.criterion;
+        let named = |tried: &Tried| best.effects.iter().any(|&effect| ALL[effect].id() == tried.id);
+        self.tried.retain(|tried| !named(tried));
+        self.tried.extend(best.effects.iter().map(|&effect| Tried { id: ALL[effect].id(), error, evidence }));
+        let other = |one: &Explained| one.effects.iter().any(|effect| !best.effects.contains(effect));
+        self.rivals =
+            found.filter(other).filter_map(|one| Rival::of(&one, one.criterion - best.criterion)).collect();
+        // Two pairs that explain alike are no answer.
+        let alone = self.rivals.iter().all(|rival| rival.behind > EVIDENCE);
+        alone.then_some(best)
+    }
+
+    /// The declared model with an effect as the balance has it, which was not fitted as a whole.
+    fn with_first(&self, declared: &Explained, first: &BalanceCandidate) -> Explained {
+        let mut with = declared.clone();
+        let known = self.study.case.unknowns();
+        let brought = first.unknowns.iter().filter(|unknown| !known.contains(unknown));
+        let brought: Vec<Unknown> = brought.cloned().collect();
+        with.fitted.setting = first.setting.clone();
+        with.effects.push(first.effect);
+        with.sensors.push(first.sensor);
+        with.counts.push(brought.len());
+        with.added.extend(brought);
+        with
+    }
+}
