@@ -25,9 +25,12 @@ impl Search<'_> {
     /// explain all that is missing.
     pub(super) fn paired(&mut self, declared: &Explained) -> Option<Explained> {
         let start = self.declared_start(declared);
-        let (plain, singles) = self.structure_candidates(&start, &[], &[]);
         let closes = |candidate: &BalanceCandidate| candidate.reduced < BALANCE_CLOSED;
-        let single = singles.first().filter(|single| !closes(single) && !closes(&plain))?;
+        if closes(&self.study.balance_base(&start, &[])) {
+            return None;
+        }
+        let (_, singles) = self.structure_candidates(&start, &[], &[]);
+        let single = singles.first().filter(|single| !closes(single))?;
         let most = TAKEN * single.criterion;
         let worth = |candidate: &BalanceCandidate| closes(candidate) || candidate.criterion < most;
         let mut firsts: Vec<BalanceCandidate> = Vec::new();
