@@ -79,10 +79,12 @@ impl Study<'_> {
         by_curvature(&fitted.fit, self.curvature(fitted).as_ref())
     }
 
-    /// A model with the deviations of its values.
+    /// A model with the deviations of its values, which may be known already.
     pub(crate) fn with_deviations(&self, model: &Explained) -> Explained {
         let mut told = model.clone();
-        told.fitted.deviation = self.deviations(&model.fitted);
+        if told.fitted.deviation.is_empty() {
+            told.fitted.deviation = self.deviations(&model.fitted);
+        }
         told
     }
 

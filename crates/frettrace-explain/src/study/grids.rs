@@ -97,11 +97,12 @@ impl Study<'_> {
         Ok(())
     }
 
-    /// Whether what a model leaves on the lines that it was fitted to is no more than the phase grid may be wrong by.
-    pub(crate) fn is_left_by_grid(&self, model: &Explained) -> bool {
+    /// Whether what a model leaves on the lines that it was fitted to is no more than their noise and what the phase grid may be wrong by; `None`
+    /// where a coarser grid does not tell.
+    pub(crate) fn within_doubt(&self, model: &Explained) -> Option<bool> {
         let mut doubted = self.clone();
-        let known = doubted.doubt_grid(&model.fitted);
-        known.is_ok() && doubted.left_in(&model.fitted, &self.training).is_noise()
+        doubted.doubt_grid(&model.fitted).ok()?;
+        Some(doubted.left_in(&model.fitted, &self.training).is_noise())
     }
 
     /// What the phase grid of each run may be wrong by, over the noise, in the root mean square of its lines; none where the coarser grid has

@@ -200,9 +200,7 @@ impl<'a> Begun<'a> {
         let model = search.in_the_form_that_foretells(&baseline, model);
         let model = search.against_outsiders(&baseline, model);
         let model = search.with_lift_off(model);
-        if baseline.fitted.deviation.is_empty() {
-            baseline = search.study.with_deviations(&baseline);
-        }
+        let baseline = search.study.with_deviations(&baseline);
         Ok(Found { begun, search, baseline, model })
     }
 }

@@ -46,7 +46,7 @@ impl Search<'_> {
             let slid = begun(setting.law);
             let mut others = Vec::new();
             let follows = |model: &Explained| {
-                model.complete() || model.ratio <= NEAR && self.study.is_left_by_grid(model)
+                model.complete() || model.ratio <= NEAR && self.study.within_doubt(model) == Some(true)
             };
             if !slid.as_ref().is_some_and(follows) {
                 others = self.study.breakaways(&recovered, &setting, &law);

@@ -41,14 +41,16 @@ impl Search<'_> {
         // corners than these, and a declared one may be far from the noise for nothing else.
         let kinked = current.fitted.setting.rigid && current.effects.is_empty();
         let near = kinked || current.ratio <= NEAR || current.excess() <= MOST_TAKEN * lacked;
-        // What no contact force takes at all, no finer grid takes.
-        let worth = near && !(current.effects.is_empty() && self.study.share_of_balance(&current) > FINER);
         let most = most_refined(&current);
         // What a finer grid may leave is no reason for another one.
         let told = |search: &Self, current: &Explained| {
             current.complete() || kinked && search.refined > 0 && search.tells_all_it_can(current)
         };
-        while !told(self, &current) && worth && self.refined < most {
+        // What no contact force takes at all, no finer grid takes.
+        let worth = near
+            && !told(self, &current)
+            && !(current.effects.is_empty() && self.study.share_of_balance(&current) > FINER);
+        while worth && !told(self, &current) && self.refined < most {
             let finer = if kinked { self.study.refined() } else { self.study.resolved(&current.fitted) };
             let Ok(Some(mut study)) = finer else { break };
             match on_finer(&study, &current) {

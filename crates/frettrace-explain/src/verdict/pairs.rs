@@ -69,17 +69,20 @@ impl Search<'_> {
         found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
         let mut found = found.into_iter();
         let best = found.next()?;
+        let other = |one: &Explained| one.effects.iter().any(|effect| !best.effects.contains(effect));
+        let rivals: Vec<Rival> =
+            found.filter(other).filter_map(|one| Rival::of(&one, one.criterion - best.criterion)).collect();
+        // Two pairs that explain alike are no answer.
+        if rivals.iter().any(|rival| rival.behind <= EVIDENCE) {
+            return None;
+        }
         let error = self.study.error(&best.fitted, &self.study.training).relative();
         let evidence = declared.criterion - best.criterion;
         let named = |tried: &Tried| best.effects.iter().any(|&effect| ALL[effect].id() == tried.id);
         self.tried.retain(|tried| !named(tried));
         self.tried.extend(best.effects.iter().map(|&effect| Tried { id: ALL[effect].id(), error, evidence }));
-        let other = |one: &Explained| one.effects.iter().any(|effect| !best.effects.contains(effect));
-        self.rivals =
-            found.filter(other).filter_map(|one| Rival::of(&one, one.criterion - best.criterion)).collect();
-        // Two pairs that explain alike are no answer.
-        let alone = self.rivals.iter().all(|rival| rival.behind > EVIDENCE);
-        alone.then_some(best)
+        self.rivals = rivals;
+        Some(best)
     }
 
     /// The declared model with an effect as the balance has it, which was not fitted as a whole.

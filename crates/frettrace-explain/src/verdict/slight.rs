@@ -39,20 +39,13 @@ impl Search<'_> {
     /// strained to take it up.
     pub(super) fn holds_more(&self, model: &Explained) -> bool {
         let yields = !model.fitted.setting.rigid;
-        let beyond_grid = || self.within_doubt(model) == Some(false);
+        let beyond_grid = || self.study.within_doubt(model) == Some(false);
         !model.left().is_noise() && (yields || strained(model).next().is_some() || beyond_grid())
-    }
-
-    /// Whether the lines hold no more than their noise and what the phase grid may be wrong by; `None` where a coarser grid does not tell.
-    fn within_doubt(&self, model: &Explained) -> Option<bool> {
-        let mut doubted = self.study.clone();
-        doubted.doubt_grid(&model.fitted).ok()?;
-        Some(doubted.left_in(&model.fitted, &doubted.training).is_noise())
     }
 
     /// Whether what a model with a rigid contact leaves beside the noise is what its phase grid may be wrong by.
     pub(super) fn is_of_grid(&self, model: &Explained) -> bool {
-        model.fitted.setting.rigid && self.within_doubt(model) == Some(true)
+        model.fitted.setting.rigid && self.study.within_doubt(model) == Some(true)
     }
 
     /// A model that is complete with a mode at the end of what was declared of it, with that mode released: law and modes together may
