@@ -121,6 +121,7 @@ impl Extent {
         let mut program = Command::new(std::env::current_exe()?);
         let [seed, clean] = [self.drawn.seed, self.drawn.clean as u64].map(|number| number.to_string());
         program.args([question, &set.name, "--seed", &seed, "--clean", &clean]);
+        program.args(self.drawn.pairs.then_some("--pairs"));
         program.args(kept.sets.iter().flat_map(|folder| [Path::new("--sets"), folder]));
         Ok(serde_json::from_str(&printed(program, [self.making, self.limit].map(Duration::from_secs))?)?)
     }
@@ -143,11 +144,14 @@ struct Drawn {
     /// Clean sets of the plan
     #[arg(long, default_value_t = sweep::CLEAN)]
     clean: usize,
+    /// The sets with two effects instead
+    #[arg(long)]
+    pairs: bool,
 }
 
 impl Drawn {
     fn plan(&self) -> Vec<plan::Planned> {
-        plan::plan(self.seed, self.clean)
+        if self.pairs { plan::pairs(self.seed) } else { plan::plan(self.seed, self.clean) }
     }
 
     fn set(&self, name: &str) -> anyhow::Result<plan::Planned> {
@@ -197,7 +201,7 @@ fn run_table(table: &Table) -> anyhow::Result<String> {
                     .apart("cover", set, &Kept::default())
                     .unwrap_or_else(|error| Covered::failed(set, &error))
             };
-            let clean = extent.sets(|set| set.formula.is_none());
+            let clean = extent.sets(|set| set.formulas.is_empty());
             let done = sweep::resume(&extent.output, &clean, |set| &set.name, covered)?;
             Ok(coverage::markdown(&done))
         }

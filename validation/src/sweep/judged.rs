@@ -20,9 +20,12 @@ pub struct Judged {
     pub name: String,
     /// Id of the true effect; `None` for a clean set.
     pub effect: Option<String>,
+    /// Id of the second one, in a set with two.
+    #[serde(default)]
+    pub second: Option<String>,
     /// Whether its id was taken out of the list.
     pub left_out: bool,
-    /// Error over noise floor of the plain model with true parameters.
+    /// Error over noise floor of the model with true parameters and without an effect, that of two which is seen least.
     pub visible: f64,
     /// The verdict's word; `None` where the set failed.
     pub verdict: Option<Verdict>,
@@ -57,10 +60,12 @@ impl Finished for Judged {
 /// What the answer was worth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Worth {
-    /// The true effect and nothing else; nothing on a clean set; `unexplained` with the right place where the name is not in the list.
+    /// The true effects and nothing else; nothing on a clean set; `unexplained` with the right place where the name is not in the list.
     Right,
     /// Right only through `indistinguishable_from`.
     Class,
+    /// One of two effects, and nothing else.
+    Half,
     /// `unexplained` where the name is in the list, or with another place.
     Unexplained,
     /// `nothing-missing` although something is.
@@ -105,12 +110,17 @@ impl Judged {
                 (false, _) => Worth::Wrong,
             };
         }
-        let held = |class: &Vec<String>| class.contains(effect);
+        let truth: Vec<&String> = std::iter::once(effect).chain(&self.second).collect();
+        let held = |class: &Vec<String>| truth.iter().any(|id| class.contains(id));
+        let first = |class: &Vec<String>| truth.iter().any(|id| class.first() == Some(id));
+        let told = |id: &&&String| self.named.iter().any(|class| class.contains(id));
+        let told = truth.iter().filter(told).count();
         match &self.named[..] {
             [] => Worth::Unexplained,
-            [class] if class.first() == Some(effect) => Worth::Right,
-            [class] if held(class) => Worth::Class,
-            _ => Worth::Wrong,
+            named if !named.iter().all(held) || named.len() > told => Worth::Wrong,
+            _ if told < truth.len() => Worth::Half,
+            named if named.iter().all(first) => Worth::Right,
+            _ => Worth::Class,
         }
     }
 }
@@ -131,9 +141,13 @@ impl Judged {
     /// A set without an answer; that is one too.
     #[must_use]
     pub fn failed(planned: &Planned, error: &anyhow::Error) -> Self {
+        let id = |k: usize| {
+            planned.formulas.get(k).and_then(|formula| formula.split('/').next()).map(str::to_owned)
+        };
         Self {
             name: planned.name.clone(),
-            effect: planned.formula.and_then(|formula| formula.split('/').next()).map(str::to_owned),
+            effect: id(0),
+            second: id(1),
             left_out: planned.left_out,
             failure: Some(format!("{error:#}")),
             unmade: error.is::<NotMade>(),
@@ -155,8 +169,9 @@ pub fn judge(planned: &Planned, folder: Option<&Path>, is_made: impl FnOnce()) -
 
 fn answered(planned: &Planned, Asked { measurement, known }: Asked) -> anyhow::Result<Judged> {
     let length = measurement.beam.length;
-    let truth = known.effect.as_ref();
-    let effect = truth.map(|effect| effect.id().to_owned());
+    let truth = known.effects.first();
+    let id = |k: usize| known.effects.get(k).map(|effect| effect.id().to_owned());
+    let (effect, second) = (id(0), id(1));
     let without = effect.iter().filter(|_| planned.left_out).cloned().collect();
     let options = ExplainOptions { without, ..ExplainOptions::default() };
     let recording = Recording::Measurement(measurement);
@@ -179,6 +194,7 @@ fn answered(planned: &Planned, Asked { measurement, known }: Asked) -> anyhow::R
         unmade: false,
         seconds,
         effect,
+        second,
     })
 }
 
@@ -255,5 +271,13 @@ mod tests {
         assert_eq!(elsewhere.worth(), Worth::Unexplained);
         assert_eq!(Judged { named: vec![vec!["friction.film".into()]], ..out }.worth(), Worth::Wrong);
         assert_eq!(Judged::default().worth(), Worth::Failed);
+        let both = |named| {
+            let second = Some("friction.wear".into());
+            Judged { second, ..answer(lag, Verdict::Explained, named) }.worth()
+        };
+        assert_eq!(both(&[&["friction.wear"], &["friction.lag"]]), Worth::Right);
+        assert_eq!(both(&[&["friction.wear"], &["friction.film", "friction.lag"]]), Worth::Class);
+        assert_eq!(both(wear), Worth::Half);
+        assert_eq!(both(&[&["friction.wear"], &["friction.film"]]), Worth::Wrong);
     }
 }

@@ -20,15 +20,15 @@ pub struct Asked {
 /// What is known of a set beside its file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Known {
-    /// The effect.
-    pub effect: Option<Effect>,
-    /// Error over noise floor of the plain model with true parameters.
+    /// Its effects.
+    pub effects: Vec<Effect>,
+    /// Error over noise floor of the model with true parameters and without an effect.
     pub visible: f64,
 }
 
 impl From<Made> for Asked {
     fn from(made: Made) -> Self {
-        let known = Known { effect: made.effect, visible: made.visible };
+        let known = Known { effects: made.rig.effects, visible: made.visible };
         Self { measurement: made.simulation.measurement, known }
     }
 }

@@ -16,11 +16,10 @@ use rand_pcg::Pcg64;
 pub struct Made {
     /// What the program is given, and the truth.
     pub simulation: Simulation,
-    /// The rig with its effect.
+    /// The rig with its effects.
     pub rig: Rig,
-    /// The effect.
-    pub effect: Option<Effect>,
-    /// `√(1 + mean of (change/noise)²)` over the runs: error over noise floor of the plain model with true parameters.
+    /// `√(1 + mean of (change/noise)²)` over the runs: error over noise floor of the model with true parameters and without an effect, that
+    /// one of its effects which is seen least.
     pub visible: f64,
 }
 
@@ -139,34 +138,54 @@ fn finish_law(random: &mut impl Rng, drawn: &mut Drawn, law: &str, scale: &Scale
     }
 }
 
-/// The set with its effect, doubled until it stands out of the noise; `None` where no step is fine enough.
+/// The set with its effects; `None` where no step is fine enough.
 fn with_effect(
     random: &mut Pcg64,
     drawn: Drawn,
     scale: &Scale,
     planned: &Planned,
 ) -> anyhow::Result<Option<Made>> {
-    let plain = simulate(&drawn.rig, &Progress::silent())?;
-    if unresolved(&plain, &drawn.rig) {
+    let simulation = simulate(&drawn.rig, &Progress::silent())?;
+    if unresolved(&simulation, &drawn.rig) {
         return Ok(None);
     }
-    let Some(formula) = planned.formula else {
-        return Ok(Some(Made { simulation: plain, rig: drawn.rig, effect: None, visible: 1.0 }));
-    };
-    let seed: u64 = random.random();
+    let rig = drawn.rig.clone();
+    let mut made = Made { simulation, rig, visible: 1.0 };
+    for formula in &planned.formulas {
+        let seed = random.random();
+        let build = |size| build(formula, &mut Pcg64::seed_from_u64(seed), &drawn, scale, size);
+        let Some(with) = enlarged(&made, planned, build)? else { return Ok(None) };
+        made = with;
+    }
+    if let [first, _] = &made.rig.effects[..] {
+        // Beside the second the first one may be seen less than alone.
+        let mut other = made.rig.clone();
+        other.effects.retain(|effect| effect != first);
+        let without = simulate(&other, &Progress::silent())?;
+        let seen = visible(&without, &made.simulation, other.sensors.noise_std_m_per_s2);
+        made.visible = made.visible.min(seen);
+    }
+    Ok(Some(made))
+}
+
+/// With one more effect, doubled until it stands out of the noise; `None` where no step is fine enough.
+fn enlarged(
+    made: &Made,
+    planned: &Planned,
+    build: impl Fn(f64) -> Option<Effect>,
+) -> anyhow::Result<Option<Made>> {
     let mut size = f64::from(planned.size);
     for doubling in 0..=DOUBLINGS {
-        let effect = build(formula, &mut Pcg64::seed_from_u64(seed), &drawn, scale, size);
-        let Some(effect) = effect else { bail!("{formula}: no such effect") };
-        let mut rig = drawn.rig.clone();
-        rig.effects.push(effect.clone());
+        let Some(effect) = build(size) else { bail!("{}: no such effect", planned.name) };
+        let mut rig = made.rig.clone();
+        rig.effects.push(effect);
         let simulation = simulate(&rig, &Progress::silent())?;
         if unresolved(&simulation, &rig) {
             return Ok(None);
         }
-        let visible = visible(&plain, &simulation, rig.sensors.noise_std_m_per_s2);
+        let visible = visible(&made.simulation, &simulation, rig.sensors.noise_std_m_per_s2);
         if visible > LARGE_ENOUGH || doubling == DOUBLINGS {
-            return Ok(Some(Made { simulation, rig, effect: Some(effect), visible }));
+            return Ok(Some(Made { simulation, rig, visible }));
         }
         size *= 2.0;
     }

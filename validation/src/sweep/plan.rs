@@ -8,9 +8,9 @@ use frettrace::rig::RigSlip;
 pub struct Planned {
     /// Name, unique in the plan.
     pub name: String,
-    /// Formula of the effect as RIG.toml writes it; `None` for a clean set.
-    pub formula: Option<&'static str>,
-    /// Size of the effect, 1 or 2.
+    /// Formulas of its effects as RIG.toml writes them: one, two in a set of [`pairs`], none in a clean one.
+    pub formulas: Vec<&'static str>,
+    /// Size of the effects, 1 or 2.
     pub size: u8,
     /// Whether the effect is taken out of the list that is searched.
     pub left_out: bool,
@@ -36,6 +36,27 @@ enum Needs {
     Preloads,
     /// Declared modes: where nobody declares a damping ratio none can be another than declared.
     Modes,
+}
+
+impl Formula {
+    /// The effect's id: the same formula may have another name.
+    fn id(&self) -> &str {
+        self.name.split('/').next().unwrap_or(self.name)
+    }
+
+    fn is_listed(&self) -> bool {
+        !self.name.starts_with("unlisted:")
+    }
+
+    /// Whether it is a formula of the bristle that is not the model's own.
+    fn is_foreign(&self) -> bool {
+        self.name.contains('/') && self.is_in_law()
+    }
+
+    fn is_in_law(&self) -> bool {
+        let contact = ["contact.tangential-stiffness", "contact.backlash"].contains(&self.id());
+        contact || self.name.starts_with("friction.")
+    }
 }
 
 const DAHL: &[&str] = &["dahl"];
@@ -174,12 +195,11 @@ fn with_effects(seed: u64) -> Vec<Planned> {
                         continue;
                     }
                     let index = sets.len();
-                    let unnamed = formula.name.starts_with("unlisted:");
                     sets.push(Planned {
                         name: format!("{} {size} {law} {}", formula.name, word(slip)),
-                        formula: Some(formula.name),
+                        formulas: vec![formula.name],
                         size,
-                        left_out: index % 3 == 2 && !unnamed,
+                        left_out: index % 3 == 2 && formula.is_listed(),
                         choice: Choice {
                             law,
                             slip,
@@ -200,13 +220,59 @@ fn with_effects(seed: u64) -> Vec<Planned> {
     sets
 }
 
+/// Every two effects of the list that can be on one rig, a set each; formulas, size, law, slip and noise are drawn, and the order is.
+#[must_use]
+pub fn pairs(seed: u64) -> Vec<Planned> {
+    let pairs = [FORMULAS, RIGID_FORMULAS].into_iter().flat_map(|formulas| {
+        let listed: Vec<&Formula> = formulas.iter().filter(|formula| formula.is_listed()).collect();
+        let pair =
+            |(k, &first)| listed[k + 1..].iter().map(move |&second| [first, second]).collect::<Vec<_>>();
+        listed.iter().enumerate().flat_map(pair).collect::<Vec<_>>()
+    });
+    // Every number that is drawn of a set has an index of its own.
+    let sets = pairs.enumerate().filter_map(|(k, pair)| of_two(pair, 2_000_000 + 10 * k as u64, seed));
+    let mut sets: Vec<Planned> = sets.collect();
+    sets.sort_by_key(|set| set.seed);
+    sets
+}
+
+/// A set with two effects; `None` for two formulas of one effect, of which no law can have both, or which no bristle has together: the simulator
+/// knows effects of the law in the model's own formulas or all in other ones.
+fn of_two(pair: [&Formula; 2], index: u64, seed: u64) -> Option<Planned> {
+    let [first, second] = pair;
+    let laws: Vec<&str> = first.laws.iter().copied().filter(|law| second.laws.contains(law)).collect();
+    let mixed_law =
+        pair.iter().all(|formula| formula.is_in_law()) && first.is_foreign() != second.is_foreign();
+    if laws.is_empty() || first.id() == second.id() || mixed_law {
+        return None;
+    }
+    let drawn = |what: u64, of: usize| (mixed(seed, index + 1 + what) % of as u64) as usize;
+    let law = laws[drawn(0, laws.len())];
+    let [soft, preloads, declared] = [Needs::Soft, Needs::Preloads, Needs::Modes]
+        .map(|needs| pair.iter().any(|formula| formula.needs == needs));
+    let slip = if soft || drawn(1, 2) == 0 { RigSlip::Rotation } else { RigSlip::Transverse };
+    let size = 1 + drawn(2, 2) as u8;
+    let modes = match modes(drawn(3, 5)) {
+        Modes::Absent if declared => Modes::Exact,
+        modes => modes,
+    };
+    Some(Planned {
+        name: format!("{} + {} {size} {law} {}", first.name, second.name, word(slip)),
+        formulas: pair.map(|formula| formula.name).to_vec(),
+        size,
+        left_out: false,
+        choice: Choice { law, slip, soft, preloads, coloured: drawn(4, 2) == 1, modes },
+        seed: mixed(seed, index),
+    })
+}
+
 fn without_effect(seed: u64, index: usize) -> Planned {
     let law = LAWS[index % LAWS.len()];
     let round = index / LAWS.len();
     let slip = if round.is_multiple_of(2) { RigSlip::Rotation } else { RigSlip::Transverse };
     Planned {
         name: format!("clean {index} {law} {}", word(slip)),
-        formula: None,
+        formulas: Vec::new(),
         size: 0,
         left_out: false,
         choice: Choice {
@@ -250,7 +316,7 @@ mod tests {
     #[test]
     fn the_plan_is_large_enough_and_repeatable() {
         let sets = plan(1, 200);
-        let effects = sets.iter().filter(|set| set.formula.is_some()).count();
+        let effects = sets.iter().filter(|set| !set.formulas.is_empty()).count();
         assert!(effects >= 400, "{effects} sets with an effect");
         assert_eq!(sets.len() - effects, 200);
         let names: BTreeSet<&str> = sets.iter().map(|set| set.name.as_str()).collect();
@@ -265,8 +331,21 @@ mod tests {
         let kinds =
             |set: &Planned| format!("{} {:?} {:?}", set.choice.law, set.choice.slip, set.choice.modes);
         let clean: BTreeSet<String> =
-            plan(1, 50).iter().filter(|set| set.formula.is_none()).map(kinds).collect();
+            plan(1, 50).iter().filter(|set| set.formulas.is_empty()).map(kinds).collect();
         assert_eq!(clean.len(), 5 * 2 * 3);
+    }
+
+    /// No effect stands beside itself, every other one of the list beside some; the same again from the same seed.
+    #[test]
+    fn pairs_have_two_effects() {
+        let sets = pairs(1);
+        let id = |formula: &'static str| formula.split('/').next().unwrap();
+        assert!(sets.iter().all(|set| set.formulas.len() == 2 && id(set.formulas[0]) != id(set.formulas[1])));
+        let names: BTreeSet<&str> = sets.iter().map(|set| set.name.as_str()).collect();
+        assert_eq!(names.len(), sets.len());
+        let swept: BTreeSet<&str> = sets.iter().flat_map(|set| set.formulas.iter().map(|f| id(f))).collect();
+        assert!(frettrace_explain::effect_ids().all(|known| swept.contains(known)));
+        assert_eq!(sets, pairs(1));
     }
 
     /// Every id that `explain` knows is in the sweep.

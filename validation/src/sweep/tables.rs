@@ -14,6 +14,8 @@ pub struct Counts {
     pub right: usize,
     /// See `right`.
     pub class: usize,
+    /// Of two effects one, and no other name.
+    pub half: usize,
     /// See `right`.
     pub wrong: usize,
     /// See `right`.
@@ -75,6 +77,7 @@ impl Counts {
             let counter = match worth {
                 Worth::Right => &mut self.right,
                 Worth::Class => &mut self.class,
+                Worth::Half => &mut self.half,
                 Worth::Wrong => &mut self.wrong,
                 Worth::Missed => &mut self.missed,
                 Worth::Unexplained | Worth::Failed => &mut self.unexplained,
@@ -115,6 +118,7 @@ pub fn markdown(title: &str, sets: &[Judged]) -> String {
         ("sets that count", c.sets.to_string()),
         ("the right name", share(c.right, c.named)),
         ("the right name or its class", share(c.right + c.class, c.named)),
+        ("of two effects one", share(c.half, c.named)),
         ("a wrong name", share(c.wrong, c.named)),
         ("nothing missing although something is", share(c.missed, c.named)),
         ("unexplained although the name is in the list", share(c.unexplained, c.named)),
@@ -140,7 +144,8 @@ pub fn markdown(title: &str, sets: &[Judged]) -> String {
 fn confusion(sets: &[Judged]) -> String {
     let mut rows: BTreeMap<(String, bool), BTreeMap<String, usize>> = BTreeMap::new();
     for set in sets.iter().filter(|set| set.counts()) {
-        let truth = set.effect.clone().unwrap_or_else(|| "(clean)".to_owned());
+        let effects: Vec<&str> = set.effect.iter().chain(&set.second).map(String::as_str).collect();
+        let truth = if effects.is_empty() { "(clean)".to_owned() } else { effects.join(" + ") };
         *rows.entry((truth, set.left_out)).or_default().entry(answer(set)).or_default() += 1;
     }
     let mut text = String::from("| truth | answers |\n|---|---|\n");
