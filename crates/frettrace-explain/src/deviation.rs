@@ -40,15 +40,21 @@ impl Curvature {
                 normal[(k, k)] += prior.std.powi(-2);
             }
         }
-        let scale: Vec<f64> = (0..width).map(|k| normal[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
+        // A value that moves nothing, such as the course of a drift at the rate zero, says nothing of the others.
+        normal.set_diagonal(&normal.diagonal().map(|d| d.max(f64::MIN_POSITIVE)));
+        let scale: Vec<f64> = (0..width).map(|k| normal[(k, k)].sqrt()).collect();
         let scaled = DMatrix::from_fn(width, width, |i, j| normal[(i, j)] / (scale[i] * scale[j]));
         Some(Self { residual, jacobian, scale, factor: scaled.cholesky()? })
     }
 
-    /// Roots of the diagonal of `C`.
+    /// Roots of the diagonal of `C`; infinite for a value that moves nothing.
     fn deviations(&self) -> Vec<f64> {
         let inverse = self.factor.inverse();
-        self.scale.iter().enumerate().map(|(k, scale)| inverse[(k, k)].sqrt() / scale).collect()
+        let deviation = |(k, scale): (usize, &f64)| {
+            let idle = scale.powi(2) <= 2.0 * f64::MIN_POSITIVE;
+            if idle { f64::INFINITY } else { inverse[(k, k)].sqrt() / scale }
+        };
+        self.scale.iter().enumerate().map(deviation).collect()
     }
 
     /// `C Jᵀδ`, by which the values follow a change `δ` of the residuals.

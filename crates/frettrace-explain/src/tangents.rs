@@ -53,7 +53,9 @@ impl Study<'_> {
             return Vec::new();
         }
         let Some(known) = self.known(current, runs) else { return Vec::new() };
-        let places = PLACES.par_iter().map(|share| PortPlace::At(share * self.scales.length));
+        // Two forces beside the contact's are not told apart by their tangents.
+        let places: &[f64] = if current.fitted.setting.ports.is_empty() { &PLACES } else { &[] };
+        let places = places.par_iter().map(|share| PortPlace::At(share * self.scales.length));
         let forces = places.flat_map_iter(|place| self.forces(current, place, &known));
         let steady = STEADY.par_iter().flat_map_iter(|id| self.changes(current, id, &known));
         let mut found: Vec<BalanceCandidate> = forces.chain(steady).collect();

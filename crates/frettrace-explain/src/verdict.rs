@@ -242,6 +242,7 @@ impl Search<'_> {
         single: &mut Option<(Explained, Vec<Rival>)>,
     ) -> Result<Explained, ExplainError> {
         let mut current = baseline.clone();
+        let mut settled = false;
         for _ in 0..self.most_effects {
             let mut fitted = current.clone();
             self.calibrate(&mut current);
@@ -307,16 +308,17 @@ impl Search<'_> {
                 }
             }
             // The balance of a rigid contact leaves as much of a right model, and no second name can be told in it.
-            let settled = current.complete()
+            settled = current.complete()
                 || current.fitted.setting.rigid
                     && (current.sufficient(baseline) || self.within_grid(&current).is_some());
             if settled && !self.series_open(&current) {
                 break;
             }
         }
-        if !current.complete()
+        if !settled
+            && !current.complete()
             && self.most_effects > 1
-            && let Some(pair) = self.paired(baseline)
+            && let Some(pair) = self.paired(baseline, single.as_ref())?
         {
             current = self.pruned(pair);
         }

@@ -71,22 +71,7 @@ impl Search<'_> {
             return Ok(contact);
         }
         let rivals = std::mem::take(&mut self.rivals);
-        let candidates = if current.fitted.setting.ports.is_empty() {
-            self.coarse.as_ref().map_or(&self.study, |(study, _)| study).tangent_candidates(current)
-        } else {
-            Vec::new()
-        };
-        let plain = current.criterion;
-        self.tried.extend(candidates.iter().map(|c| Tried {
-            id: ALL[c.effect].id(),
-            error: f64::NAN,
-            evidence: plain - c.criterion,
-        }));
-        let worth = |c: &&BalanceCandidate| c.criterion + EVIDENCE < plain;
-        let worthy: Vec<&BalanceCandidate> = candidates.iter().filter(worth).collect();
-        let asked = worthy.par_iter().map(|c| self.asked(current, c)).collect();
-        let found = self.answered(asked);
-        let found = self.take_best(current, found).map(|found| self.with_formula(found));
+        let found = self.hidden(current).map(|found| self.with_formula(found));
         let found = found.map(|found| self.further(found, current.excess()));
         // A force that the balance does not show must leave nothing else to be explained.
         let ahead = |found: &Explained| {
@@ -106,6 +91,23 @@ impl Search<'_> {
                 Ok(contact)
             }
         }
+    }
+
+    /// The best effect outside the contact of those whose tangents promise enough, with the whole model.
+    pub(super) fn hidden(&mut self, current: &Explained) -> Option<Explained> {
+        let study = self.coarse.as_ref().map_or(&self.study, |(study, _)| study);
+        let candidates = study.tangent_candidates(current);
+        let plain = current.criterion;
+        self.tried.extend(candidates.iter().map(|c| Tried {
+            id: ALL[c.effect].id(),
+            error: f64::NAN,
+            evidence: plain - c.criterion,
+        }));
+        let worth = |c: &&BalanceCandidate| c.criterion + EVIDENCE < plain;
+        let worthy: Vec<&BalanceCandidate> = candidates.iter().filter(worth).collect();
+        let asked = worthy.par_iter().map(|c| self.asked(current, c)).collect();
+        let found = self.answered(asked);
+        self.take_best(current, found)
     }
 
     /// Damping of a place by the square of the velocity with any power about it, and a cubic spring there with a yield, where that explains

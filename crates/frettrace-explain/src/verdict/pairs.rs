@@ -3,12 +3,15 @@
 //! Effects are found one after the other, each by what the whole model leaves with it. Where two act and none of them is small, that says little: with
 //! either one alone the model is as far off as the other one makes it. The balance knows of no law and is a least-squares problem in both: the best
 //! of its single effects are each asked which second one takes what they leave, and what does is fitted as a whole, both effects from the start.
+//!
+//! Where one of the two acts in the contact, the other one alone closes the balance, and leaves the whole model as far off as the contact's makes it:
+//! what it leaves there says nothing against it.
 
-use super::{BALANCE_CLOSED, EVIDENCE, Rival, Search, Tried};
-use crate::Unknown;
+use super::{BALANCE_CLOSED, EVIDENCE, Rival, Search, Tried, least_excess};
 use crate::balance_fit::BalanceCandidate;
 use crate::effects::ALL;
 use crate::search::Explained;
+use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::Setting;
 use rayon::prelude::*;
 
@@ -20,18 +23,82 @@ const FITTED: usize = 3;
 /// free beside it.
 const TAKEN: f64 = 0.05;
 
+fn closes(candidate: &BalanceCandidate) -> bool {
+    candidate.reduced < BALANCE_CLOSED
+}
+
+/// Whether a single name leaves so little, and all others so much more, that it stands in another formula.
+fn is_dominant(declared: &Explained, single: Option<&(Explained, Vec<Rival>)>) -> bool {
+    single.is_some_and(|(one, rivals)| one.dominant(declared, least_excess(one, rivals)))
+}
+
 impl Search<'_> {
-    /// The declared model with the two effects outside the contact that close its balance together, where no single one does; `None` where none
-    /// explain all that is missing.
-    pub(super) fn paired(&mut self, declared: &Explained) -> Option<Explained> {
+    /// The declared model with two effects at once, of which one at least is outside the contact; `None` where none explain all that is missing.
+    /// `single` is the best model with one effect, and its rivals.
+    pub(super) fn paired(
+        &mut self,
+        declared: &Explained,
+        single: Option<&(Explained, Vec<Rival>)>,
+    ) -> Result<Option<Explained>, ExplainError> {
         let start = self.declared_start(declared);
-        let closes = |candidate: &BalanceCandidate| candidate.reduced < BALANCE_CLOSED;
+        let stands = is_dominant(declared, single);
         if closes(&self.study.balance_base(&start, &[])) {
-            return None;
+            return if stands { Ok(None) } else { self.beside_a_hidden_one(declared, single) };
         }
         let (_, singles) = self.structure_candidates(&start, &[], &[]);
-        let single = singles.first().filter(|single| !closes(single))?;
-        let most = TAKEN * single.criterion;
+        let Some(first) = singles.first() else { return Ok(None) };
+        if !closes(first) {
+            return Ok(self.outside_the_contact(declared, &start, singles));
+        }
+        let rival = singles.iter().find(|other| other.effect != first.effect);
+        if stands || rival.is_some_and(|rival| rival.criterion <= first.criterion + EVIDENCE) {
+            return Ok(None);
+        }
+        self.beside_the_contact(declared, &self.with_first(declared, first))
+    }
+
+    /// What hides in the balance, where it explains more than the best single effect, with one in the contact.
+    fn beside_a_hidden_one(
+        &mut self,
+        declared: &Explained,
+        single: Option<&(Explained, Vec<Rival>)>,
+    ) -> Result<Option<Explained>, ExplainError> {
+        let before = self.clone();
+        let nearer =
+            |first: &Explained| single.is_none_or(|(one, _)| first.criterion + EVIDENCE < one.criterion);
+        let found = match self.hidden(declared).filter(nearer) {
+            Some(first) => self.beside_the_contact(declared, &first)?,
+            None => None,
+        };
+        if found.is_none() {
+            *self = before;
+        }
+        Ok(found)
+    }
+
+    /// A model with one effect outside the contact, and one in it.
+    fn beside_the_contact(
+        &mut self,
+        declared: &Explained,
+        first: &Explained,
+    ) -> Result<Option<Explained>, ExplainError> {
+        let before = self.clone();
+        let found = self.contact(first)?.filter(Explained::complete);
+        match &found {
+            Some(found) => self.count(declared, found),
+            None => *self = before,
+        }
+        Ok(found)
+    }
+
+    /// The two effects that close the balance together, where no single one does.
+    fn outside_the_contact(
+        &mut self,
+        declared: &Explained,
+        start: &Setting,
+        singles: Vec<BalanceCandidate>,
+    ) -> Option<Explained> {
+        let most = TAKEN * singles.first()?.criterion;
         let worth = |candidate: &BalanceCandidate| closes(candidate) || candidate.criterion < most;
         let mut firsts: Vec<BalanceCandidate> = Vec::new();
         for single in singles {
@@ -76,13 +143,18 @@ impl Search<'_> {
         if rivals.iter().any(|rival| rival.behind <= EVIDENCE) {
             return None;
         }
+        self.count(declared, &best);
+        self.rivals = rivals;
+        Some(best)
+    }
+
+    /// Both effects of a model with the evidence that they have together over the declared one.
+    fn count(&mut self, declared: &Explained, best: &Explained) {
         let error = self.study.error(&best.fitted, &self.study.training).relative();
         let evidence = declared.criterion - best.criterion;
         let named = |tried: &Tried| best.effects.iter().any(|&effect| ALL[effect].id() == tried.id);
         self.tried.retain(|tried| !named(tried));
         self.tried.extend(best.effects.iter().map(|&effect| Tried { id: ALL[effect].id(), error, evidence }));
-        self.rivals = rivals;
-        Some(best)
     }
 
     /// The declared model with an effect as the balance has it, which was not fitted as a whole.
