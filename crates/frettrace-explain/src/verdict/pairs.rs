@@ -40,10 +40,22 @@ impl Search<'_> {
         declared: &Explained,
         single: Option<&(Explained, Vec<Rival>)>,
     ) -> Result<Option<Explained>, ExplainError> {
-        let start = self.declared_start(declared);
         let stands = is_dominant(declared, single);
+        match self.told_by_the_balance(declared, stands)? {
+            None if !stands => self.beside_a_hidden_one(declared, single),
+            found => Ok(found),
+        }
+    }
+
+    /// Both effects outside the contact, or the one that closes the balance with one in it: the latter not where a single name `stands`.
+    fn told_by_the_balance(
+        &mut self,
+        declared: &Explained,
+        stands: bool,
+    ) -> Result<Option<Explained>, ExplainError> {
+        let start = self.declared_start(declared);
         if closes(&self.study.balance_base(&start, &[])) {
-            return if stands { Ok(None) } else { self.beside_a_hidden_one(declared, single) };
+            return Ok(None);
         }
         let (_, singles) = self.structure_candidates(&start, &[], &[]);
         let Some(first) = singles.first() else { return Ok(None) };
@@ -57,7 +69,7 @@ impl Search<'_> {
         self.beside_the_contact(declared, &self.with_first(declared, first))
     }
 
-    /// What hides in the balance, where it explains more than the best single effect, with one in the contact.
+    /// What hides in the contact's force, where it explains more than the best single effect, with one in the contact.
     fn beside_a_hidden_one(
         &mut self,
         declared: &Explained,
