@@ -5,7 +5,7 @@ use crate::effects::{ALL, Simpler, apply, listed, set_by_forms};
 use crate::left::LeftLines;
 use crate::study::{Predicted, as_declared, breaks_away, merge};
 use crate::{ExplainError, Fitted, Study, Unknown};
-use frettrace_forward::accelerations::{Memory, PortLaw, Quantity, Setting};
+use frettrace_forward::accelerations::{Memory, PortLaw, PortPlace, Quantity, Setting};
 use frettrace_identify::{Fit, Status};
 use rayon::prelude::*;
 
@@ -158,18 +158,18 @@ pub(crate) fn excess(ratio: f64) -> f64 {
 }
 
 impl Study<'_> {
-    /// Whether a second support along the beam that came last into a model carries: a spring and a dashpot whose stiffness is nothing within
-    /// five of its deviations are the damping, or the cube, of something else.
+    /// Whether a second support along the beam carries: a spring and a dashpot whose stiffness is nothing within five of its deviations are the
+    /// damping, or the cube, of something else.
     pub(crate) fn carries(&self, model: &Explained) -> bool {
-        let setting = &model.fitted.setting;
-        let is_support = model.effects.last().is_some_and(|&e| ALL[e].id() == "structure.second-support");
-        let index = setting.ports.len().saturating_sub(1);
-        match setting.ports.last() {
-            Some(port) if is_support && port.law == PortLaw::Polynomial => {
+        let ports = &model.fitted.setting.ports;
+        let has_support = model.effects.iter().any(|&e| ALL[e].id() == "structure.second-support");
+        let along = ports.iter().rposition(|port| matches!(port.place, PortPlace::At(_)));
+        match along.filter(|&index| has_support && ports[index].law == PortLaw::Polynomial) {
+            Some(index) => {
                 let deviation = self.with_deviations(model).deviation(Quantity::Port(index, 0));
-                deviation.is_nan() || port.coefficients[0] > CARRIES * deviation
+                deviation.is_nan() || ports[index].coefficients[0] > CARRIES * deviation
             }
-            _ => true,
+            None => true,
         }
     }
 

@@ -10,7 +10,7 @@
 use super::{BALANCE_CLOSED, EVIDENCE, Rival, Search, Tried, least_excess};
 use crate::balance_fit::BalanceCandidate;
 use crate::effects::ALL;
-use crate::search::Explained;
+use crate::search::{DOMINANT, Explained};
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::Setting;
 use rayon::prelude::*;
@@ -76,8 +76,11 @@ impl Search<'_> {
         single: Option<&(Explained, Vec<Rival>)>,
     ) -> Result<Option<Explained>, ExplainError> {
         let before = self.clone();
-        let nearer =
-            |first: &Explained| single.is_none_or(|(one, _)| first.criterion + EVIDENCE < one.criterion);
+        // What is left of a first effect that takes all but a trace is of its formula, and says of no second one.
+        let nearer = |first: &Explained| {
+            single.is_none_or(|(one, _)| first.criterion + EVIDENCE < one.criterion)
+                && first.excess() > DOMINANT * declared.excess()
+        };
         let found = match self.hidden(declared).filter(nearer) {
             Some(first) => self.beside_the_contact(declared, &first)?,
             None => None,
