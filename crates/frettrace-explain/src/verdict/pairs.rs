@@ -98,7 +98,9 @@ impl Search<'_> {
         first: &Explained,
     ) -> Result<Option<Explained>, ExplainError> {
         let before = self.clone();
+        // Where one of the two explains everything it has been asked already, and was not what its name says.
         let found = self.contact(first)?.filter(Explained::complete);
+        let found = found.filter(|pair| self.pruned(pair.clone()).effects.len() > 1);
         match &found {
             Some(found) => self.count(declared, found),
             None => *self = before,
