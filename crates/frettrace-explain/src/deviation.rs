@@ -50,9 +50,9 @@ impl Curvature {
     /// Roots of the diagonal of `C`; infinite for a value that moves nothing.
     fn deviations(&self) -> Vec<f64> {
         let inverse = self.factor.inverse();
-        let deviation = |(k, scale): (usize, &f64)| {
-            let idle = scale.powi(2) <= 2.0 * f64::MIN_POSITIVE;
-            if idle { f64::INFINITY } else { inverse[(k, k)].sqrt() / scale }
+        let deviation = |(k, &scale): (usize, &f64)| {
+            let moves = scale > f64::MIN_POSITIVE.sqrt();
+            if moves { inverse[(k, k)].sqrt() / scale } else { f64::INFINITY }
         };
         self.scale.iter().enumerate().map(deviation).collect()
     }
@@ -134,7 +134,7 @@ mod tests {
     use super::*;
     use frettrace_identify::{NoSolution, Parameter, Prior, Status};
 
-    /// `r = y − A x` with `A = [1 0; 1 1; 0 2]`, and a prior of unit deviation for the second value.
+    /// `r = y − A x` with `A = [1 0; 1 1; 0 2]`, and a prior of unit deviation for the second value; further values move nothing.
     struct Straight(Vec<Parameter>);
 
     impl Model for Straight {
@@ -162,7 +162,12 @@ mod tests {
             memory: &mut (),
             (residual, jacobian): (&mut [f64], &mut DMatrix<f64>),
         ) -> Result<(), NoSolution> {
-            jacobian.copy_from(&DMatrix::from_row_slice(3, 2, &[-1.0, 0.0, -1.0, -1.0, 0.0, -2.0]));
+            jacobian.fill(0.0);
+            jacobian.columns_mut(0, 2).copy_from(&DMatrix::from_row_slice(
+                3,
+                2,
+                &[-1.0, 0.0, -1.0, -1.0, 0.0, -2.0],
+            ));
             self.residual(x, memory, residual)
         }
     }
@@ -193,7 +198,14 @@ mod tests {
             [2.0 * (6.0_f64 / 11.0).sqrt(), 2.0 * (2.0_f64 / 11.0).sqrt()],
         );
         let curvature = Curvature::of(&problem, &found.values, &()).ok_or(NoSolution)?;
-        near(&curvature.follow(&DVector::from_vec(vec![1.0, 0.0, 0.0])), [-6.0 / 11.0, 1.0 / 11.0]);
+        let follow = |curvature: &Curvature| curvature.follow(&DVector::from_vec(vec![1.0, 0.0, 0.0]));
+        near(&follow(&curvature), [-6.0 / 11.0, 1.0 / 11.0]);
+        let idle = Parameter { prior: None, ..problem.0[1].clone() };
+        let with_idle = Straight([&problem.0[..], &[idle]].concat());
+        let curvature = Curvature::of(&with_idle, &[0.0; 3], &()).ok_or(NoSolution)?;
+        near(&curvature.deviations()[..2], [(6.0_f64 / 11.0).sqrt(), (2.0_f64 / 11.0).sqrt()]);
+        assert_eq!(curvature.deviations()[2], f64::INFINITY);
+        assert_eq!(follow(&curvature)[2], 0.0);
         Ok(())
     }
 }

@@ -320,7 +320,7 @@ impl Search<'_> {
             && self.most_effects > 1
             && let Some(pair) = self.paired(baseline, single.as_ref())?
         {
-            current = self.pruned(pair);
+            current = pair;
         }
         Ok(current)
     }

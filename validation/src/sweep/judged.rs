@@ -3,7 +3,7 @@
 use super::Finished;
 use super::apart::NotMade;
 use super::kept::{Asked, asked};
-use super::plan::Planned;
+use super::plan::{Planned, effect_id};
 use frettrace::Progress;
 use frettrace::explain::{ExplainOptions, explain};
 use frettrace::results::{Explanation, Place, Verdict};
@@ -118,7 +118,7 @@ impl Judged {
         match &self.named[..] {
             [] => Worth::Unexplained,
             named if !named.iter().all(held) || named.len() > told => Worth::Wrong,
-            _ if told < truth.len() => Worth::Half,
+            named if named.len() < truth.len() => Worth::Half,
             named if named.iter().all(first) => Worth::Right,
             _ => Worth::Class,
         }
@@ -141,9 +141,7 @@ impl Judged {
     /// A set without an answer; that is one too.
     #[must_use]
     pub fn failed(planned: &Planned, error: &anyhow::Error) -> Self {
-        let id = |k: usize| {
-            planned.formulas.get(k).and_then(|formula| formula.split('/').next()).map(str::to_owned)
-        };
+        let id = |k: usize| planned.formulas.get(k).map(|formula| effect_id(formula).to_owned());
         Self {
             name: planned.name.clone(),
             effect: id(0),
@@ -278,6 +276,7 @@ mod tests {
         assert_eq!(both(&[&["friction.wear"], &["friction.lag"]]), Worth::Right);
         assert_eq!(both(&[&["friction.wear"], &["friction.film", "friction.lag"]]), Worth::Class);
         assert_eq!(both(wear), Worth::Half);
+        assert_eq!(both(&[&["friction.wear", "friction.lag"]]), Worth::Half);
         assert_eq!(both(&[&["friction.wear"], &["friction.film"]]), Worth::Wrong);
     }
 }

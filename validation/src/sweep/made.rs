@@ -157,10 +157,10 @@ fn with_effect(
         let Some(with) = enlarged(&made, planned, build)? else { return Ok(None) };
         made = with;
     }
-    if let [first, _] = &made.rig.effects[..] {
+    if planned.formulas.len() > 1 {
         // Beside the second the first one may be seen less than alone.
         let mut other = made.rig.clone();
-        other.effects.retain(|effect| effect != first);
+        other.effects.remove(0);
         let without = simulate(&other, &Progress::silent())?;
         let seen = visible(&without, &made.simulation, other.sensors.noise_std_m_per_s2);
         made.visible = made.visible.min(seen);

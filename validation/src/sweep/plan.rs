@@ -38,10 +38,15 @@ enum Needs {
     Modes,
 }
 
+/// Id of the effect that a formula is one of.
+#[must_use]
+pub fn effect_id(formula: &str) -> &str {
+    formula.split('/').next().unwrap_or(formula)
+}
+
 impl Formula {
-    /// The effect's id: the same formula may have another name.
     fn id(&self) -> &str {
-        self.name.split('/').next().unwrap_or(self.name)
+        effect_id(self.name)
     }
 
     fn is_listed(&self) -> bool {
@@ -206,10 +211,7 @@ fn with_effects(seed: u64) -> Vec<Planned> {
                             soft: formula.needs == Needs::Soft,
                             preloads: formula.needs == Needs::Preloads,
                             coloured: index / 2 % 2 == 1,
-                            modes: match modes(index) {
-                                Modes::Absent if formula.needs == Needs::Modes => Modes::Exact,
-                                modes => modes,
-                            },
+                            modes: modes(index, formula.needs == Needs::Modes),
                         },
                         seed: mixed(seed, index as u64),
                     });
@@ -252,16 +254,19 @@ fn of_two(pair: [&Formula; 2], index: u64, seed: u64) -> Option<Planned> {
         .map(|needs| pair.iter().any(|formula| formula.needs == needs));
     let slip = if soft || drawn(1, 2) == 0 { RigSlip::Rotation } else { RigSlip::Transverse };
     let size = 1 + drawn(2, 2) as u8;
-    let modes = match modes(drawn(3, 5)) {
-        Modes::Absent if declared => Modes::Exact,
-        modes => modes,
-    };
     Some(Planned {
         name: format!("{} + {} {size} {law} {}", first.name, second.name, word(slip)),
         formulas: pair.map(|formula| formula.name).to_vec(),
         size,
         left_out: false,
-        choice: Choice { law, slip, soft, preloads, coloured: drawn(4, 2) == 1, modes },
+        choice: Choice {
+            law,
+            slip,
+            soft,
+            preloads,
+            coloured: drawn(4, 2) == 1,
+            modes: modes(drawn(3, 5), declared),
+        },
         seed: mixed(seed, index),
     })
 }
@@ -282,7 +287,7 @@ fn without_effect(seed: u64, index: usize) -> Planned {
             preloads: index % 7 == 6,
             coloured: index / 2 % 2 == 1,
             // Every law meets every kind of modes.
-            modes: modes(round / 2),
+            modes: modes(round / 2, false),
         },
         seed: mixed(seed, 1_000_000 + index as u64),
     }
@@ -295,8 +300,10 @@ fn word(slip: RigSlip) -> &'static str {
     }
 }
 
-fn modes(index: usize) -> Modes {
-    [Modes::Exact, Modes::Off, Modes::Exact, Modes::Off, Modes::Absent][index % 5]
+/// The kind with a number, where some may have to be declared.
+fn modes(index: usize, declared: bool) -> Modes {
+    let last = if declared { Modes::Exact } else { Modes::Absent };
+    [Modes::Exact, Modes::Off, Modes::Exact, Modes::Off, last][index % 5]
 }
 
 /// A seed of its own for every set: the finalising step of SplitMix64 (Steele, Lea and Flood 2014).
@@ -339,11 +346,12 @@ mod tests {
     #[test]
     fn pairs_have_two_effects() {
         let sets = pairs(1);
-        let id = |formula: &'static str| formula.split('/').next().unwrap();
-        assert!(sets.iter().all(|set| set.formulas.len() == 2 && id(set.formulas[0]) != id(set.formulas[1])));
+        let differ = |[a, b]: [&str; 2]| effect_id(a) != effect_id(b);
+        assert!(sets.iter().all(|set| <[&str; 2]>::try_from(&set.formulas[..]).is_ok_and(differ)));
         let names: BTreeSet<&str> = sets.iter().map(|set| set.name.as_str()).collect();
         assert_eq!(names.len(), sets.len());
-        let swept: BTreeSet<&str> = sets.iter().flat_map(|set| set.formulas.iter().map(|f| id(f))).collect();
+        let formulas = sets.iter().flat_map(|set| &set.formulas);
+        let swept: BTreeSet<&str> = formulas.map(|formula| effect_id(formula)).collect();
         assert!(frettrace_explain::effect_ids().all(|known| swept.contains(known)));
         assert_eq!(sets, pairs(1));
     }

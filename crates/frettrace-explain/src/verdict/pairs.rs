@@ -1,4 +1,4 @@
-//! Two effects outside the contact at once.
+//! Two effects at once, one of them at least outside the contact.
 //!
 //! Effects are found one after the other, each by what the whole model leaves with it. Where two act and none of them is small, that says little: with
 //! either one alone the model is as far off as the other one makes it. The balance knows of no law and is a least-squares problem in both: the best
@@ -98,9 +98,9 @@ impl Search<'_> {
         first: &Explained,
     ) -> Result<Option<Explained>, ExplainError> {
         let before = self.clone();
+        let found = self.contact(first)?.filter(Explained::complete).map(|pair| self.pruned(pair));
         // Where one of the two explains everything it has been asked already, and was not what its name says.
-        let found = self.contact(first)?.filter(Explained::complete);
-        let found = found.filter(|pair| self.pruned(pair.clone()).effects.len() > 1);
+        let found = found.filter(|pair| pair.effects.len() > 1);
         match &found {
             Some(found) => self.count(declared, found),
             None => *self = before,
@@ -162,7 +162,7 @@ impl Search<'_> {
         }
         self.count(declared, &best);
         self.rivals = rivals;
-        Some(best)
+        Some(self.pruned(best))
     }
 
     /// Both effects of a model with the evidence that they have together over the declared one.
