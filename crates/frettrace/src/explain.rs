@@ -9,9 +9,10 @@ use crate::results::{
     ModeEstimate, NoiseFloorSource, Place, Provenance, Question, Structure, Verdict,
 };
 use crate::{Progress, StudyError, case};
-use frettrace_explain::{Explained, Named, Outcome, RunError, Tried};
+use frettrace_explain::{Case, Explained, Named, Outcome, RunError, Tried};
 use frettrace_forward::accelerations::Quantity;
 use frettrace_identify::HALF_INTERVAL95;
+use frettrace_inverse::RunReconstruction;
 use frettrace_measurement::{MeasuredModes, Measurement, Recording};
 use std::collections::BTreeMap;
 
@@ -44,12 +45,15 @@ pub fn explain(
     let mut case = case::case(measurement)?;
     case.without.clone_from(&options.without);
     let declared = case.modes.clone();
-    let recovered = case::recover_aperiodic(&mut case, measurement)?;
+    let mut recovered = case::recover_aperiodic(&mut case, measurement)?;
     progress.step();
     if case::is_told_by_contacts(&case) {
         return aperiodic::explain(measurement, options, (&case, &declared, &recovered), progress);
     }
     let mut outcome = frettrace_explain::explain(&case)?;
+    if let Some(beside) = beside_unanswered(measurement, &case, &outcome)? {
+        (case, recovered, outcome) = beside;
+    }
     let shown = frettrace_explain::exhibits(&case, &outcome)?;
     progress.step();
     let controls = if options.controls > 0 {
@@ -63,6 +67,34 @@ pub fn explain(
     let exhibits = crate::exhibits::exhibits(measurement, &shown, &outcome.runs[1]);
     let controls = controls.iter().map(control).collect();
     Ok(Explanation { exhibits, controls, ..explanation(measurement, options, &outcome) })
+}
+
+/// The same where the contact lacks something without a name and the declared law comes to another motion than was measured in some runs, which
+/// then bend it: a contact that sticks and slips snaps faster than any line that a balance can have, however well its accelerations repeat. Those
+/// runs enter as the ones without a period do, by the force and slip recovered of them, while enough others are left to be predicted.
+fn beside_unanswered(
+    measurement: &Measurement,
+    case: &Case,
+    outcome: &Outcome,
+) -> Result<Option<(Case, Vec<RunReconstruction>, Outcome)>, StudyError> {
+    let unexplained = outcome.verdict == frettrace_explain::Verdict::Unexplained
+        && outcome.place == Some(frettrace_explain::Place::Contact);
+    if !unexplained || outcome.unanswered.is_empty() {
+        return Ok(None);
+    }
+    let mut case = case.clone();
+    outcome.unanswered.iter().for_each(|&run| case.records[run].periodic = false);
+    if case::is_told_by_contacts(&case) {
+        return Ok(None);
+    }
+    let recovered = case::recover_aperiodic(&mut case, measurement)?;
+    let Ok(mut found) = frettrace_explain::explain(&case) else { return Ok(None) };
+    let ids: Vec<&str> = outcome.unanswered.iter().map(|&run| measurement.runs[run].id.as_str()).collect();
+    found.notes.push(format!(
+        "no balance of the declared law comes to the motion in runs {}: they count among those without a period",
+        ids.join(", ")
+    ));
+    Ok(Some((case, recovered, found)))
 }
 
 fn control(asked: &frettrace_explain::Control) -> Control {

@@ -5,6 +5,9 @@ use super::{Fitted, Study};
 use crate::left::LeftLines;
 use frettrace_forward::accelerations::Prediction;
 
+/// Error over noise of a run that repeats after several periods of the excitation from which a model has another motion in it.
+const UNANSWERED: f64 = 10.0;
+
 /// Error of some runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RunError {
@@ -95,6 +98,19 @@ impl Study<'_> {
             far.iter().zip(approached).for_each(|(&k, one)| found[k] = one.ok());
         }
         found
+    }
+
+    /// Runs whose motion the balance of a model does not have: none at all, or none near one that repeats after several periods of the
+    /// excitation.
+    pub(crate) fn unanswered(&self, fitted: &Fitted) -> Vec<usize> {
+        let runs = self.all_runs();
+        let found = self.predictions(fitted, &runs);
+        let divided = |run: usize| self.case.records[run].subharmonic > 1;
+        let missed = |run: usize| self.error(fitted, &[run]).ratio() > UNANSWERED;
+        let is_one = |(run, found): (usize, Option<Prediction>)| {
+            (found.is_none() || divided(run) && missed(run)).then_some(run)
+        };
+        runs.into_iter().zip(found).filter_map(is_one).collect()
     }
 
     /// Error of a run, sensor by sensor, with the faults of its channels in the model; a run that cannot be predicted is missed

@@ -80,6 +80,9 @@ pub struct Outcome {
     pub runs: [Vec<usize>; 2],
     /// Indices of the runs that are neither, because no beam keeps to the motion that the model has in them, or no phase grid to the beam's.
     pub aside: Vec<usize>,
+    /// Indices of the runs whose motion the balance of the declared model does not have: none at all, or none near one that repeats after several
+    /// periods of the excitation.
+    pub unanswered: Vec<usize>,
     /// What a reader must know.
     pub notes: Vec<String>,
 }
@@ -164,6 +167,7 @@ impl Search<'_> {
             held_out: errors(1),
             runs: [self.study.training.clone(), self.study.held_out.clone()],
             aside: self.study.case.aside.clone(),
+            unanswered: self.study.unanswered(&baseline.fitted),
             tried: self.tried,
             notes: self.notes,
             baseline,
