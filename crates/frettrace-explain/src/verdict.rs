@@ -135,6 +135,8 @@ struct Search<'a> {
     refused: Vec<(usize, String)>,
     /// Models beside the best one.
     rivals: Vec<Rival>,
+    /// Effects, by their places in the model, whose formulas stand under another name, of which alone something shows.
+    renamed: Vec<(usize, usize)>,
     notes: Vec<String>,
 }
 
@@ -156,6 +158,7 @@ impl<'a> Search<'a> {
             tried: Vec::new(),
             refused: Vec::new(),
             rivals: Vec::new(),
+            renamed: Vec::new(),
             notes: Vec::new(),
         }
     }

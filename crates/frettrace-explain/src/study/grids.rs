@@ -76,12 +76,14 @@ impl Study<'_> {
     }
 
     /// Counts the error of the phase grid among the deviations of the lines. Twice the lines of force divide it by about three, so
-    /// that a grid leaves half of what parts its predictions from those on one with half of its lines.
+    /// that a grid leaves half of what parts its predictions from those on one with half of its lines. The runs of which that is told: where the
+    /// coarser grid has no balance, nothing is.
     ///
     /// # Errors
     /// [`ExplainError::Model`] where the coarser grid cannot carry the lines.
-    pub fn doubt_grid(&mut self, fitted: &Fitted) -> Result<(), ExplainError> {
+    pub fn doubt_grid(&mut self, fitted: &Fitted) -> Result<Vec<usize>, ExplainError> {
         let all = self.all_runs();
+        let mut told = Vec::new();
         let coarser = self.halved()?;
         let [before, now] = [&coarser, &*self].map(|study| study.predictions(fitted, &all));
         for ((&run, before), now) in all.iter().zip(before).zip(now) {
@@ -93,8 +95,9 @@ impl Study<'_> {
                     *std = known[h].hypot((before[h] - now[h]).norm() * GRID_LEFT);
                 }
             }
+            told.push(run);
         }
-        Ok(())
+        Ok(told)
     }
 
     /// Whether what a model leaves on the lines that it was fitted to is no more than their noise and what the phase grid may be wrong by; `None`
@@ -109,9 +112,7 @@ impl Study<'_> {
     /// no balance, which tells nothing.
     pub(crate) fn grid_doubts(&self, fitted: &Fitted) -> Vec<(usize, f64)> {
         let mut doubted = self.clone();
-        if doubted.doubt_grid(fitted).is_err() {
-            return Vec::new();
-        }
+        let told = doubted.doubt_grid(fitted).unwrap_or_default();
         let doubt = |run: usize| {
             let known = self.case.records[run].lines.deviation.iter().flatten();
             let parts = doubted.model.runs[run].deviation.iter().flatten().zip(known);
@@ -120,7 +121,7 @@ impl Study<'_> {
             });
             (sum / count.max(1) as f64).sqrt()
         };
-        self.all_runs().into_iter().map(|run| (run, doubt(run))).collect()
+        told.into_iter().map(|run| (run, doubt(run))).collect()
     }
 
     /// The same study with half the lines of contact force in every run that keeps as many as were measured of it: a run that has the

@@ -11,8 +11,10 @@ use super::{CONTRADICTED, EVIDENCE, FORETOLD, Rival, Search};
 use crate::effects::ALL;
 use crate::left::LeftLines;
 use crate::search::{COMPLETE, Explained, excess};
-use crate::{Case, ExplainError, Split, Study};
+use crate::{Case, ExplainError, Fitted, Split, Study};
 
+/// Times what a phase grid may be wrong by, or the noise, that a model may miss a run by where nothing but the grid is at fault.
+const BY_GRID: f64 = 3.0;
 /// Growth of the error from fitted runs to those held out from which what is lacking lies in these.
 const OVERTAKEN: f64 = 2.0;
 /// Error over noise from which a name leaves more than the noise in the runs it was fitted to.
@@ -141,6 +143,16 @@ impl<'a> Begun<'a> {
             return Vec::new();
         }
         study.grid_doubts(fitted).into_iter().filter(|(_, doubt)| *doubt > NEAR).map(|(run, _)| run).collect()
+    }
+
+    /// Whether a model of the other runs misses some runs by far more than their phase grid may be wrong by, with that model: they show what the
+    /// others do not.
+    pub(super) fn shows_more(&self, fitted: &Fitted, runs: &[usize]) -> bool {
+        let study = &self.search.study;
+        let doubts = study.grid_doubts(fitted);
+        let misses =
+            |&(run, doubt): &(usize, f64)| study.error(fitted, &[run]).ratio() > BY_GRID * doubt.max(1.0);
+        doubts.iter().filter(|(run, _)| runs.contains(run)).any(misses)
     }
 
     /// The same where a case asks for other names: for a single one, in the place of a single one.

@@ -221,7 +221,7 @@ fn on_finer(study: &Study<'_>, current: &Explained) -> Option<Explained> {
 fn doubting(study: &mut Study<'_>, model: &Explained) -> Option<Explained> {
     let known: Vec<_> = study.model.runs.iter().map(|run| run.deviation.clone()).collect();
     let doubted = study.doubt_grid(&model.fitted);
-    let found = doubted.and_then(|()| study.polished(model)).ok();
+    let found = doubted.and_then(|_| study.polished(model)).ok();
     // One that is complete on this grid is cut short by nothing, and one that is far from the noise of all samples does not bear it out.
     let borne_out = |found: &Explained| found.ratio <= BORNE_OUT && found.left().is_noise();
     let meets = |found: &Explained| found.complete() || !model.complete() && borne_out(found);

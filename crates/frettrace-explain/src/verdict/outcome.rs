@@ -3,7 +3,7 @@
 use super::choice::contained;
 use super::finer::RIGID_ACCURACY;
 use super::rules::{
-    helps, is_as_near, is_followed, may_be, stays_with_contact, stays_with_sensor, takes_all,
+    helps, is_as_near, is_followed, may_be, stays_with_contact, stays_with_sensor, takes_all, takes_its_own,
 };
 use super::{BALANCE_CALIBRATED, BORNE_OUT, EVIDENCE, FORETOLD, HELD_OUT, Rival, Search};
 use crate::effects::{ALL, EffectPlace, listed};
@@ -253,8 +253,24 @@ impl Search<'_> {
         }
         match self.other_formula {
             true => is_as_near(before, after),
-            false => is_followed(before, after) || self.is_of_one_model(model, after),
+            false => {
+                (is_followed(before, after) || self.is_of_one_model(model, after))
+                    && self.needs_each(model, after)
+            }
         }
+    }
+
+    /// Whether each of two effects takes what the runs held out miss without it, by the error over the noise that both leave there. That the stronger one
+    /// took nearly all of what was missing says nothing of the other.
+    fn needs_each(&self, model: &Explained, after: f64) -> bool {
+        let two = model.effects.len() > 1 && !self.lifts_off;
+        // What cannot be taken out, or leaves a run without an answer, is needed.
+        let taken = |place: usize| {
+            let Some(without) = self.study.without(model, place) else { return true };
+            let before = self.study.error(&without.fitted, &self.study.held_out).ratio();
+            takes_its_own(before, after)
+        };
+        !two || after <= FORETOLD || (0..model.effects.len()).all(taken)
     }
 
     /// The declared model of a rigid contact as its recovered contacts and the balance show it, without a fit: where the balance of one fitted run
@@ -308,7 +324,9 @@ impl Search<'_> {
         let mut nameless = None;
         for place in 0..model.effects.len() {
             match self.idle(model, place) {
-                Some(Ok(other)) => model.effects[place] = other,
+                Some(Ok(other)) => {
+                    self.renamed.push((place, std::mem::replace(&mut model.effects[place], other)))
+                }
                 Some(Err(id)) => nameless = Some(id),
                 None => {}
             }
@@ -457,9 +475,14 @@ impl Search<'_> {
         if closed && stays_with_contact(reduced, left) { EffectPlace::Contact } else { place }
     }
 
-    /// Effects that these data do not rule out in the place of the last one of a model: those near it in evidence; where its formula is in
-    /// doubt, known rivals that leave little more; and known rivals that were not asked for.
-    fn not_ruled_out(&self, model: &Explained, effect: usize) -> Vec<usize> {
+    /// Effects that these data do not rule out in one place of a model: the one whose formula stands there under the name of the simpler one that
+    /// it shows. In the last place also those near in evidence; where the formula is in doubt, known rivals that leave little more; and known rivals that were not asked for.
+    fn not_ruled_out(&self, model: &Explained, place: usize) -> Vec<usize> {
+        let effect = model.effects[place];
+        let renamed = self.renamed.iter().filter(|(at, _)| *at == place).map(|(_, other)| *other);
+        if place + 1 < model.effects.len() {
+            return renamed.collect();
+        }
         let known = |other: usize| ALL[effect].rivals().contains(&ALL[other].id());
         let held_out = &self.study.held_out;
         let foretold = held_out.is_empty() || self.study.error(&model.fitted, held_out).ratio() <= FORETOLD;
@@ -470,7 +493,7 @@ impl Search<'_> {
         let unasked =
             (0..ALL.len()).filter(|&other| known(other) && !self.study.case.allows(ALL[other].id()));
         let mut found: Vec<usize> =
-            self.rivals.iter().filter(near).map(|r| r.effect).chain(unasked).collect();
+            self.rivals.iter().filter(near).map(|r| r.effect).chain(unasked).chain(renamed).collect();
         found.sort_unstable();
         found.dedup();
         found
@@ -495,11 +518,7 @@ impl Search<'_> {
                     position: position(model, effect),
                     sensor,
                     parameters: parameters(model, k),
-                    indistinguishable: if last {
-                        at_most_two(effect, self.not_ruled_out(model, effect))
-                    } else {
-                        Vec::new()
-                    },
+                    indistinguishable: at_most_two(effect, self.not_ruled_out(model, k)),
                     experiment: ALL[effect].experiment(),
                 }
             })

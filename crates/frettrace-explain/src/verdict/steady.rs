@@ -80,6 +80,9 @@ fn beside_unresolved(case: &Case, begun: &Begun<'_>) -> Option<Outcome> {
     if found.verdict == Verdict::NothingMissing && !begun.follows_fitted() {
         return None;
     }
+    if begun.shows_more(&found.model.fitted, &unresolved) {
+        return None;
+    }
     found.notes.push(format!(
         "in {} of {} runs the phase grid may be wrong by more than {NEAR} times the noise: the balance of a rigid contact does not resolve them, and no model is compared with them",
         unresolved.len(),
