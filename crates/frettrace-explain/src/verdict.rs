@@ -263,6 +263,7 @@ impl Search<'_> {
                 if current.complete() && !self.series_open(&current) {
                     break;
                 }
+                self.calibrate(&mut current);
             }
             let before = current.clone();
             let rivals = std::mem::take(&mut self.rivals);
