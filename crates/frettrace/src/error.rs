@@ -35,6 +35,14 @@ pub enum StudyError {
     /// Nothing can be explained.
     #[error(transparent)]
     Explain(#[from] frettrace_explain::ExplainError),
+    /// A march that did not come to a motion.
+    #[error(
+        "run {run}: the march of the beam has no finite accelerations; smaller steps ([sampling] rate_hz) or softer effects would mend it"
+    )]
+    NoMotion {
+        /// Name of the run.
+        run: String,
+    },
     /// Controls of a contact record.
     #[error("controls draw beams anew, and a contact record has none; leave --controls out")]
     ControlsOfRecord,

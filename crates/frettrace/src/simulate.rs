@@ -13,7 +13,7 @@ use frettrace_forward::simulate::{Attached, Chain, Marching, SimulatedRig, Simul
 use frettrace_measurement::{Measurement, Truth};
 use rayon::prelude::*;
 
-use recorded::{measurement, truth};
+use recorded::{measurement, run_id, truth};
 
 use crate::reconstruct::told_apart;
 use crate::rig::{Effect, Rig, RigRuns, RigSlip};
@@ -40,7 +40,7 @@ const SHARE_OF_NOISE: f64 = 0.1;
 /// Marches every run of the rig, in parallel.
 ///
 /// # Errors
-/// [`StudyError`] where the beam cannot be computed or an effect does not fit the law.
+/// [`StudyError`] where the beam cannot be computed, an effect does not fit the law or a march comes to no motion.
 pub fn simulate(rig: &Rig, progress: &Progress) -> Result<Simulation, StudyError> {
     let simulated = simulated_rig(rig)?;
     let runs = simulated_runs(rig);
@@ -55,6 +55,11 @@ pub fn simulate(rig: &Rig, progress: &Progress) -> Result<Simulation, StudyError
         })
         .collect::<Result<Vec<_>, _>>()?;
     progress.finish();
+    let moves =
+        |record: &forward::SimulatedRecord| record.acceleration.iter().flatten().all(|a| a.is_finite());
+    if let Some(run) = records.iter().position(|record| !moves(record)) {
+        return Err(StudyError::NoMotion { run: run_id(run) });
+    }
     let settled = records.iter().map(|record| record.settling).collect();
     let marching = records.iter().map(|record| record.marching).collect();
     let truth = truth(rig, &records);

@@ -99,7 +99,7 @@ fn measured_run(
     }
 }
 
-fn run_id(index: usize) -> String {
+pub(super) fn run_id(index: usize) -> String {
     format!("{:04}", index + 1)
 }
 
