@@ -80,7 +80,8 @@ fn beside_unresolved(case: &Case, begun: &Begun<'_>) -> Option<Outcome> {
     if found.verdict == Verdict::NothingMissing && !begun.follows_fitted() {
         return None;
     }
-    if begun.shows_more(&found.model.fitted, &unresolved) {
+    // What has no name is not told better by more runs.
+    if found.verdict != Verdict::Unexplained && begun.shows_more(&found.model.fitted, &unresolved) {
         return None;
     }
     found.notes.push(format!(
