@@ -1,6 +1,7 @@
 //! One effect more in the contact.
 
 use super::{EVIDENCE, FORETOLD, PROXY, Rival, Search, Tried};
+use crate::contact_fit::Contacts;
 use crate::contact_search::ContactCandidate;
 use crate::effects::{ALL, EffectPlace};
 use crate::search::{COMPLETE, Explained, excess};
@@ -11,6 +12,18 @@ use frettrace_forward::accelerations::Setting;
 /// χ² per residual on the recovered contacts from which no whole model with a law may leave a trace: ten times what the method
 /// leaves of the right one at the lowest noise.
 const TRACELESS: f64 = 500.0;
+
+/// Recovered contacts with what the law of a model makes of them.
+pub(super) struct Recovered {
+    pub(super) contacts: Contacts,
+    /// The structure that they were recovered with, and the law fitted to them.
+    pub(super) setting: Setting,
+    /// What is free in that law.
+    pub(super) law: Vec<Unknown>,
+    /// `χ² + k ln n` that it leaves there, and χ² per residual.
+    plain: f64,
+    pub(super) reduced: f64,
+}
 
 impl Search<'_> {
     /// The same model from the law that the contacts recovered with it show, where that ends nearer: the fit of the whole rig may
@@ -57,6 +70,29 @@ impl Search<'_> {
         self.calibrated(setting, &structural)
     }
 
+    /// The contacts recovered with the structure of a model as it was declared, and its law on them.
+    pub(super) fn recovered(&self, current: &Explained) -> Result<Recovered, ExplainError> {
+        let unknowns = merge(&self.study.case.unknowns(), &current.added);
+        let (law, _) = Unknown::parted(&unknowns);
+        let mut setting = self.unbent(current);
+        let contacts = self.study.recovered(&setting)?;
+        // A fit of the whole rig that lacks an effect may have driven the law away from what the contact shows.
+        let other = self.recovered_law.filter(|_| current.effects.is_empty());
+        let base = [Some(setting.law), other]
+            .into_iter()
+            .flatten()
+            .filter_map(|start| {
+                self.study.contact_base(&contacts, &Setting { law: start, ..setting.clone() }, &law)
+            })
+            .min_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        let [plain, reduced] =
+            base.as_ref().map_or([f64::INFINITY; 2], |base| [base.criterion, base.reduced]);
+        if let Some(base) = &base {
+            setting.law = base.law;
+        }
+        Ok(Recovered { contacts, setting, law, plain, reduced })
+    }
+
     /// The best effect of the contact with the whole model, and all that were fitted. The search may begin on softened lines, where the
     /// law misses even those.
     fn contact_round(
@@ -64,27 +100,10 @@ impl Search<'_> {
         current: &Explained,
         softened: bool,
     ) -> Result<Option<(Explained, Vec<Explained>)>, ExplainError> {
-        let unknowns = merge(&self.study.case.unknowns(), &current.added);
-        let (law, _) = Unknown::parted(&unknowns);
-        let mut setting = self.unbent(current);
-        let recovered = self.study.recovered(&setting)?;
-        // A fit of the whole rig that lacks an effect may have driven the law away from what the contact shows.
-        let other = self.recovered_law.filter(|_| current.effects.is_empty());
-        let base = [Some(setting.law), other]
-            .into_iter()
-            .flatten()
-            .filter_map(|start| {
-                self.study.contact_base(&recovered, &Setting { law: start, ..setting.clone() }, &law)
-            })
-            .min_by(|a, b| a.criterion.total_cmp(&b.criterion));
-        let plain = base.as_ref().map_or(f64::INFINITY, |b| b.criterion);
-        if let Some(base) = &base {
-            setting.law = base.law;
-        }
+        let Recovered { contacts: recovered, setting, law, plain, reduced } = self.recovered(current)?;
         if softened && !self.study.is_far(&recovered, &setting, &law) {
             return Ok(None);
         }
-        let reduced = base.as_ref().map_or(f64::INFINITY, |base| base.reduced);
         let taken = (&current.effects[..], reduced);
         let mut candidates = self.study.contact_candidates((&recovered, softened), &setting, &law, taken);
         self.tried.extend(candidates.iter().map(|c| Tried {

@@ -1,4 +1,4 @@
-//! Two effects at once, one of them at least outside the contact.
+//! Two effects at once.
 //!
 //! Effects are found one after the other, each by what the whole model leaves with it. Where two act and none of them is small, that says little: with
 //! either one alone the model is as far off as the other one makes it. The balance knows of no law and is a least-squares problem in both: the best
@@ -6,9 +6,13 @@
 //!
 //! Where one of the two acts in the contact, the other one alone closes the balance, and leaves the whole model as far off as the contact's makes it:
 //! what it leaves there says nothing against it.
+//!
+//! Where both act in the contact, what is said of the balance is said of the recovered contacts: they know of no other run and no structure.
 
+use super::contact_rounds::Recovered;
 use super::{BALANCE_CLOSED, EVIDENCE, Rival, Search, Tried, least_excess};
 use crate::balance_fit::BalanceCandidate;
+use crate::contact_search::ContactCandidate;
 use crate::effects::ALL;
 use crate::search::{DOMINANT, Explained};
 use crate::{ExplainError, Unknown};
@@ -17,6 +21,8 @@ use rayon::prelude::*;
 
 /// Single effects that a second one is asked beside.
 const FIRSTS: usize = 4;
+/// Second effects of the contact beside each of them.
+const SECONDS: usize = 2;
 /// Pairs that are fitted as a whole, …
 const FITTED: usize = 3;
 /// … where they leave no more than this share of what the best single effect does: a force is located before the first effect's values are
@@ -33,7 +39,7 @@ fn is_dominant(declared: &Explained, single: Option<&(Explained, Vec<Rival>)>) -
 }
 
 impl Search<'_> {
-    /// The declared model with two effects at once, of which one at least is outside the contact; `None` where none explain all that is missing.
+    /// The declared model with two effects at once; `None` where none explain all that is missing.
     /// `single` is the best model with one effect, and its rivals.
     pub(super) fn paired(
         &mut self,
@@ -42,9 +48,18 @@ impl Search<'_> {
     ) -> Result<Option<Explained>, ExplainError> {
         let stands = is_dominant(declared, single);
         match self.told_by_the_balance(declared, stands)? {
-            None if !stands => self.beside_a_hidden_one(declared, single),
-            found => Ok(found),
+            None if !stands => {}
+            found => return Ok(found),
         }
+        if let Some(found) = self.beside_a_hidden_one(declared, single)? {
+            return Ok(Some(found));
+        }
+        let before = self.clone();
+        let found = self.in_the_contact(declared)?;
+        if found.is_none() {
+            *self = before;
+        }
+        Ok(found)
     }
 
     /// Both effects outside the contact, or the one that closes the balance with one in it: the latter not where a single name `stands`.
@@ -108,6 +123,75 @@ impl Search<'_> {
         Ok(found)
     }
 
+    /// Two effects in the contact: the best single ones on the recovered contacts are each asked which second one takes what they leave there, and
+    /// the pairs that follow these are fitted as a whole.
+    fn in_the_contact(&mut self, declared: &Explained) -> Result<Option<Explained>, ExplainError> {
+        if self.is_open(declared) {
+            return Ok(None);
+        }
+        let Recovered { contacts, setting, law, reduced, .. } = self.recovered(declared)?;
+        let firsts = self.study.contact_candidates((&contacts, false), &setting, &law, (&[], reduced));
+        let pair = |first: &ContactCandidate| {
+            let with = first.placed_in(&setting);
+            let taken = [first.effect];
+            let seconds = self.study.contact_candidates(
+                (&contacts, false),
+                &with,
+                &first.unknowns,
+                (&taken, first.reduced),
+            );
+            let first = self.with(declared, with, (first.effect, None, &first.unknowns));
+            seconds
+                .into_iter()
+                .filter(ContactCandidate::meets)
+                .take(SECONDS)
+                .map(move |second| (first.clone(), second))
+        };
+        let mut pairs: Vec<(Explained, ContactCandidate)> =
+            firsts.iter().take(FIRSTS).flat_map(pair).collect();
+        pairs.sort_by(|(_, a), (_, b)| a.criterion.total_cmp(&b.criterion));
+        let mut seen: Vec<[usize; 2]> = Vec::new();
+        pairs.retain(|(with, second)| {
+            let [a, b] = [with.effects[0], second.effect];
+            let known = seen.iter().any(|pair| pair.contains(&a) && pair.contains(&b));
+            seen.push([a, b]);
+            !known
+        });
+        pairs.truncate(FITTED);
+        let asked = pairs
+            .par_iter()
+            .flat_map_iter(|(with, second)| self.study.contact_round(with, std::slice::from_ref(second)))
+            .collect();
+        let mut found = self.answered(asked);
+        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        let Some(best) = found.first().cloned() else { return Ok(None) };
+        let lacked = declared.excess();
+        let best = self.further(best, lacked);
+        let best = self.shaped(best, lacked);
+        Ok(self.only(declared, best, found))
+    }
+
+    /// A pair that completes the model, with the others that do as its rivals; `None` where another one explains as well.
+    fn only(&mut self, declared: &Explained, best: Explained, found: Vec<Explained>) -> Option<Explained> {
+        let other = |one: &Explained| one.effects.iter().any(|effect| !best.effects.contains(effect));
+        let rivals: Vec<Rival> = found
+            .into_iter()
+            .filter(|one| one.complete() && other(one))
+            .filter_map(|one| Rival::of(&one, one.criterion - best.criterion))
+            .collect();
+        // Two pairs that explain alike are no answer.
+        if !best.complete() || rivals.iter().any(|rival| rival.behind <= EVIDENCE) {
+            return None;
+        }
+        let best = self.pruned(best);
+        if best.effects.len() < 2 {
+            return None;
+        }
+        self.count(declared, &best);
+        self.rivals = rivals;
+        Some(best)
+    }
+
     /// The two effects that close the balance together, where no single one does.
     fn outside_the_contact(
         &mut self,
@@ -151,18 +235,8 @@ impl Search<'_> {
             one.book(&first.0);
         }
         found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
-        let mut found = found.into_iter();
-        let best = found.next()?;
-        let other = |one: &Explained| one.effects.iter().any(|effect| !best.effects.contains(effect));
-        let rivals: Vec<Rival> =
-            found.filter(other).filter_map(|one| Rival::of(&one, one.criterion - best.criterion)).collect();
-        // Two pairs that explain alike are no answer.
-        if rivals.iter().any(|rival| rival.behind <= EVIDENCE) {
-            return None;
-        }
-        self.count(declared, &best);
-        self.rivals = rivals;
-        Some(self.pruned(best))
+        let best = found.first()?.clone();
+        self.only(declared, best, found)
     }
 
     /// Both effects of a model with the evidence that they have together over the declared one.
@@ -176,13 +250,23 @@ impl Search<'_> {
 
     /// The declared model with an effect as the balance has it, which was not fitted as a whole.
     fn with_first(&self, declared: &Explained, first: &BalanceCandidate) -> Explained {
+        self.with(declared, first.setting.clone(), (first.effect, first.sensor, &first.unknowns))
+    }
+
+    /// The declared model at a setting with an effect that brought some of the unknowns there.
+    fn with(
+        &self,
+        declared: &Explained,
+        setting: Setting,
+        (effect, sensor, unknowns): (usize, Option<usize>, &[Unknown]),
+    ) -> Explained {
         let mut with = declared.clone();
         let known = self.study.case.unknowns();
-        let brought = first.unknowns.iter().filter(|unknown| !known.contains(unknown));
-        let brought: Vec<Unknown> = brought.cloned().collect();
-        with.fitted.setting = first.setting.clone();
-        with.effects.push(first.effect);
-        with.sensors.push(first.sensor);
+        let brought: Vec<Unknown> =
+            unknowns.iter().filter(|unknown| !known.contains(unknown)).cloned().collect();
+        with.fitted.setting = setting;
+        with.effects.push(effect);
+        with.sensors.push(sensor);
         with.counts.push(brought.len());
         with.added.extend(brought);
         with
