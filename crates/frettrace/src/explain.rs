@@ -71,7 +71,8 @@ pub fn explain(
 
 /// The same where the contact lacks something without a name and the declared law comes to another motion than was measured in some runs, which
 /// then bend it: a contact that sticks and slips snaps faster than any line that a balance can have, however well its accelerations repeat. Those
-/// runs enter as the ones without a period do, by the force and slip recovered of them, while enough others are left to be predicted.
+/// runs enter as the ones without a period do, by the force and slip recovered of them, while enough others are left to be predicted; `None` where
+/// something is missing then, too.
 fn beside_unanswered(
     measurement: &Measurement,
     case: &Case,
@@ -89,6 +90,10 @@ fn beside_unanswered(
     }
     let recovered = case::recover_aperiodic(&mut case, measurement)?;
     let Ok(mut found) = frettrace_explain::explain(&case) else { return Ok(None) };
+    // A name would stand on what the runs that tell most of it were not asked.
+    if found.verdict != frettrace_explain::Verdict::NothingMissing {
+        return Ok(None);
+    }
     let ids: Vec<&str> = outcome.unanswered.iter().map(|&run| measurement.runs[run].id.as_str()).collect();
     found.notes.push(format!(
         "no balance of the declared law comes to the motion in runs {}: they count among those without a period",

@@ -110,10 +110,12 @@ const MENDED: [(u64, &str); 79] = [
     (318, "clean 19 stribeck transverse"),
 ];
 
-/// The same with two effects: a structure that the first one's fit had bent, and a run that told of friction alone and was set aside.
-const MENDED_PAIRS: [(u64, &str); 2] = [
+/// The same with two effects: a structure that the first one's fit had bent, a run that told of friction alone and was set aside, and two that
+/// neither one alone led to.
+const MENDED_PAIRS: [(u64, &str); 3] = [
     (403, "friction.stribeck + friction.presliding-damping 1 dahl transverse"),
     (403, "friction.viscous + measurement.delay 2 coulomb transverse"),
+    (403, "friction.viscous/power + friction.position-periodic/triangle 2 dahl transverse"),
 ];
 
 fn run() -> anyhow::Result<Outcome> {

@@ -131,6 +131,8 @@ impl Search<'_> {
         }
         let Recovered { contacts, setting, law, reduced, .. } = self.recovered(declared)?;
         let firsts = self.study.contact_candidates((&contacts, false), &setting, &law, (&[], reduced));
+        let most = TAKEN * firsts.first().map_or(0.0, |first| first.criterion);
+        let worth = |candidate: &ContactCandidate| candidate.meets() || candidate.criterion < most;
         let pair = |first: &ContactCandidate| {
             let with = first.placed_in(&setting);
             let taken = [first.effect];
@@ -141,11 +143,7 @@ impl Search<'_> {
                 (&taken, first.reduced),
             );
             let first = self.with(declared, with, (first.effect, None, &first.unknowns));
-            seconds
-                .into_iter()
-                .filter(ContactCandidate::meets)
-                .take(SECONDS)
-                .map(move |second| (first.clone(), second))
+            seconds.into_iter().filter(worth).take(SECONDS).map(move |second| (first.clone(), second))
         };
         let mut pairs: Vec<(Explained, ContactCandidate)> =
             firsts.iter().take(FIRSTS).flat_map(pair).collect();
