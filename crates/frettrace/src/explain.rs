@@ -51,7 +51,7 @@ pub fn explain(
         return aperiodic::explain(measurement, options, (&case, &declared, &recovered), progress);
     }
     let mut outcome = frettrace_explain::explain(&case)?;
-    if let Some(beside) = beside_unanswered(measurement, &case, &outcome)? {
+    if let Some(beside) = beside_unanswered(measurement, &case, &outcome) {
         (case, recovered, outcome) = beside;
     }
     let shown = frettrace_explain::exhibits(&case, &outcome)?;
@@ -72,34 +72,32 @@ pub fn explain(
 /// The same where the contact lacks something without a name and the declared law comes to another motion than was measured in some runs, which
 /// then bend it: a contact that sticks and slips snaps faster than any line that a balance can have, however well its accelerations repeat. Those
 /// runs enter as the ones without a period do, by the force and slip recovered of them, while enough others are left to be predicted; `None` where
-/// something is missing then, too.
+/// something is missing then, too, or nothing can be said: what was found stands.
 fn beside_unanswered(
     measurement: &Measurement,
     case: &Case,
     outcome: &Outcome,
-) -> Result<Option<(Case, Vec<RunReconstruction>, Outcome)>, StudyError> {
-    let unexplained = outcome.verdict == frettrace_explain::Verdict::Unexplained
-        && outcome.place == Some(frettrace_explain::Place::Contact);
-    if !unexplained || outcome.unanswered.is_empty() {
-        return Ok(None);
+) -> Option<(Case, Vec<RunReconstruction>, Outcome)> {
+    if outcome.unanswered.is_empty() {
+        return None;
     }
     let mut case = case.clone();
     outcome.unanswered.iter().for_each(|&run| case.records[run].periodic = false);
     if case::is_told_by_contacts(&case) {
-        return Ok(None);
+        return None;
     }
-    let recovered = case::recover_aperiodic(&mut case, measurement)?;
-    let Ok(mut found) = frettrace_explain::explain(&case) else { return Ok(None) };
+    let recovered = case::recover_aperiodic(&mut case, measurement).ok()?;
+    let mut found = frettrace_explain::explain(&case).ok()?;
     // A name would stand on what the runs that tell most of it were not asked.
     if found.verdict != frettrace_explain::Verdict::NothingMissing {
-        return Ok(None);
+        return None;
     }
     let ids: Vec<&str> = outcome.unanswered.iter().map(|&run| measurement.runs[run].id.as_str()).collect();
     found.notes.push(format!(
         "no balance of the declared law comes to the motion in runs {}: they count among those without a period",
         ids.join(", ")
     ));
-    Ok(Some((case, recovered, found)))
+    Some((case, recovered, found))
 }
 
 fn control(asked: &frettrace_explain::Control) -> Control {

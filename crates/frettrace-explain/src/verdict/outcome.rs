@@ -81,7 +81,7 @@ pub struct Outcome {
     /// Indices of the runs that are neither, because no beam keeps to the motion that the model has in them, or no phase grid to the beam's.
     pub aside: Vec<usize>,
     /// Indices of the runs whose motion the balance of the declared model does not have: none at all, or none near one that repeats after several
-    /// periods of the excitation.
+    /// periods of the excitation. They are told where the contact lacks what has no name.
     pub unanswered: Vec<usize>,
     /// What a reader must know.
     pub notes: Vec<String>,
@@ -157,6 +157,9 @@ impl Search<'_> {
         self.tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
         self.remark(&baseline, &model);
         self.remark_refused();
+        let nameless_in_contact = verdict == Verdict::Unexplained && place == Some(EffectPlace::Contact);
+        let unanswered =
+            if nameless_in_contact { self.study.unanswered(&baseline.fitted) } else { Vec::new() };
         let after = self.errors(&model);
         let errors = |k: usize| Some([*self.before.get(k)?, *after.get(k)?]);
         Outcome {
@@ -167,7 +170,7 @@ impl Search<'_> {
             held_out: errors(1),
             runs: [self.study.training.clone(), self.study.held_out.clone()],
             aside: self.study.case.aside.clone(),
-            unanswered: self.study.unanswered(&baseline.fitted),
+            unanswered,
             tried: self.tried,
             notes: self.notes,
             baseline,

@@ -51,11 +51,19 @@ impl Search<'_> {
             None if !stands => {}
             found => return Ok(found),
         }
-        if let Some(found) = self.beside_a_hidden_one(declared, single)? {
-            return Ok(Some(found));
+        match self.or_as_before(|search| search.beside_a_hidden_one(declared, single))? {
+            None => self.or_as_before(|search| search.in_the_contact(declared)),
+            found => Ok(found),
         }
+    }
+
+    /// What is found; where nothing is, the search is as it was before.
+    fn or_as_before(
+        &mut self,
+        ask: impl FnOnce(&mut Self) -> Result<Option<Explained>, ExplainError>,
+    ) -> Result<Option<Explained>, ExplainError> {
         let before = self.clone();
-        let found = self.in_the_contact(declared)?;
+        let found = ask(self)?;
         if found.is_none() {
             *self = before;
         }
@@ -81,7 +89,8 @@ impl Search<'_> {
         if stands || rival.is_some_and(|rival| rival.criterion <= first.criterion + EVIDENCE) {
             return Ok(None);
         }
-        self.beside_the_contact(declared, &self.with_first(declared, first))
+        let first = self.with_first(declared, first);
+        self.or_as_before(|search| search.beside_the_contact(declared, &first))
     }
 
     /// What hides in the contact's force, where it explains more than the best single effect, with one in the contact.
@@ -90,20 +99,15 @@ impl Search<'_> {
         declared: &Explained,
         single: Option<&(Explained, Vec<Rival>)>,
     ) -> Result<Option<Explained>, ExplainError> {
-        let before = self.clone();
         // What is left of a first effect that takes all but a trace is of its formula, and says of no second one.
         let nearer = |first: &Explained| {
             single.is_none_or(|(one, _)| first.criterion + EVIDENCE < one.criterion)
                 && first.excess() > DOMINANT * declared.excess()
         };
-        let found = match self.hidden(declared).filter(nearer) {
-            Some(first) => self.beside_the_contact(declared, &first)?,
-            None => None,
-        };
-        if found.is_none() {
-            *self = before;
+        match self.hidden(declared).filter(nearer) {
+            Some(first) => self.beside_the_contact(declared, &first),
+            None => Ok(None),
         }
-        Ok(found)
     }
 
     /// A model with one effect outside the contact, and one in it.
@@ -112,15 +116,8 @@ impl Search<'_> {
         declared: &Explained,
         first: &Explained,
     ) -> Result<Option<Explained>, ExplainError> {
-        let before = self.clone();
-        let found = self.contact(first)?.filter(Explained::complete).map(|pair| self.pruned(pair));
-        // Where one of the two explains everything it has been asked already, and was not what its name says.
-        let found = found.filter(|pair| pair.effects.len() > 1);
-        match &found {
-            Some(found) => self.count(declared, found),
-            None => *self = before,
-        }
-        Ok(found)
+        let found = self.contact(first)?;
+        Ok(found.and_then(|pair| self.counted(declared, pair)))
     }
 
     /// Two effects in the contact: the best single ones on the recovered contacts are each asked which second one takes what they leave there, and
@@ -178,14 +175,10 @@ impl Search<'_> {
             .filter_map(|one| Rival::of(&one, one.criterion - best.criterion))
             .collect();
         // Two pairs that explain alike are no answer.
-        if !best.complete() || rivals.iter().any(|rival| rival.behind <= EVIDENCE) {
+        if rivals.iter().any(|rival| rival.behind <= EVIDENCE) {
             return None;
         }
-        let best = self.pruned(best);
-        if best.effects.len() < 2 {
-            return None;
-        }
-        self.count(declared, &best);
+        let best = self.counted(declared, best)?;
         self.rivals = rivals;
         Some(best)
     }
@@ -237,13 +230,19 @@ impl Search<'_> {
         self.only(declared, best, found)
     }
 
-    /// Both effects of a model with the evidence that they have together over the declared one.
-    fn count(&mut self, declared: &Explained, best: &Explained) {
+    /// A pair that completes the model, both of its effects counted among those that were tried with the evidence that they have together over the
+    /// declared one; `None` where it does not, or one of the two explains everything: that has been asked already, and was not what its name says.
+    fn counted(&mut self, declared: &Explained, pair: Explained) -> Option<Explained> {
+        let best = Some(pair).filter(Explained::complete).map(|pair| self.pruned(pair))?;
+        if best.effects.len() < 2 {
+            return None;
+        }
         let error = self.study.error(&best.fitted, &self.study.training).relative();
         let evidence = declared.criterion - best.criterion;
         let named = |tried: &Tried| best.effects.iter().any(|&effect| ALL[effect].id() == tried.id);
         self.tried.retain(|tried| !named(tried));
         self.tried.extend(best.effects.iter().map(|&effect| Tried { id: ALL[effect].id(), error, evidence }));
+        Some(best)
     }
 
     /// The declared model with an effect as the balance has it, which was not fitted as a whole.
