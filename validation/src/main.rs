@@ -122,6 +122,7 @@ impl Extent {
         let [seed, clean] = [self.drawn.seed, self.drawn.clean as u64].map(|number| number.to_string());
         program.args([question, &set.name, "--seed", &seed, "--clean", &clean]);
         program.args(self.drawn.pairs.then_some("--pairs"));
+        program.args(self.drawn.thirds.then_some("--thirds"));
         program.args(kept.sets.iter().flat_map(|folder| [Path::new("--sets"), folder]));
         Ok(serde_json::from_str(&printed(program, [self.making, self.limit].map(Duration::from_secs))?)?)
     }
@@ -147,11 +148,18 @@ struct Drawn {
     /// The sets with two effects instead
     #[arg(long)]
     pairs: bool,
+    /// The sets whose effects have third formulas instead
+    #[arg(long, conflicts_with = "pairs")]
+    thirds: bool,
 }
 
 impl Drawn {
     fn plan(&self) -> Vec<plan::Planned> {
-        if self.pairs { plan::pairs(self.seed) } else { plan::plan(self.seed, self.clean) }
+        match self {
+            Self { pairs: true, .. } => plan::pairs(self.seed),
+            Self { thirds: true, .. } => plan::thirds(self.seed),
+            _ => plan::plan(self.seed, self.clean),
+        }
     }
 
     fn set(&self, name: &str) -> anyhow::Result<plan::Planned> {

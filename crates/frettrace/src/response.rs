@@ -219,7 +219,7 @@ fn refuse(rig: &Rig, simulated: &SimulatedRig) -> Result<(), StudyError> {
         });
     }
     let normal = simulated.normal;
-    let normal = normal.lifts_off || normal.cubic != 0.0 || normal.sharpness != 0.0;
+    let normal = normal.lifts_off || normal.cubic != 0.0 || normal.sharpness != 0.0 || normal.power > 1.0;
     let foreign = matches!(simulated.law, SimulatedLaw::Foreign(_));
     let carried = |id: &str| {
         let place = id.trim_start_matches("unlisted:");

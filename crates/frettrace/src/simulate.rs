@@ -99,6 +99,8 @@ fn declared_modes(rig: &Rig, boundary: &Boundary, count: usize) -> Result<[Vec<f
 
 /// Shape of a modulation that is nearly a square wave: flat over two thirds of the period.
 const SQUARENESS: f64 = 3.0;
+/// Skewness of a modulation that rises in a third of the period and falls in two.
+const SKEWNESS: f64 = 0.6;
 
 /// The rig with all its effects.
 pub(crate) fn simulated_rig(rig: &Rig) -> Result<SimulatedRig, StudyError> {
@@ -278,13 +280,20 @@ fn simulated_runs(rig: &Rig) -> Vec<(&RigRuns, SimulatedRun)> {
                     run.modulation = Some(Modulation {
                         share,
                         shape: 0.0,
+                        skewness: 0.0,
                         omega: frequency_ratio * omega,
                         phase: phase_rad,
                     });
                 }
                 Effect::SquareModulation { share, frequency_ratio, phase_rad } => {
                     let omega = frequency_ratio * omega;
-                    run.modulation = Some(Modulation { share, shape: SQUARENESS, omega, phase: phase_rad });
+                    run.modulation =
+                        Some(Modulation { share, shape: SQUARENESS, skewness: 0.0, omega, phase: phase_rad });
+                }
+                Effect::SkewedModulation { share, frequency_ratio, phase_rad } => {
+                    let omega = frequency_ratio * omega;
+                    run.modulation =
+                        Some(Modulation { share, shape: 0.0, skewness: SKEWNESS, omega, phase: phase_rad });
                 }
                 Effect::SettlingDrift { relative_change } => {
                     run.frequency_factor +=

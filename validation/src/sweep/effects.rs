@@ -3,6 +3,7 @@
 //! Size 1 is what a careful person might overlook, size 2 what they should not.
 
 mod chain;
+mod third;
 
 use super::rigs::Drawn;
 use frettrace::rig::Effect;
@@ -150,6 +151,8 @@ pub fn build(
         .or_else(|| chain::excitation(formula, random, &basis))
         .or_else(|| chain::measurement(formula, random, &basis))
         .or_else(|| chain::channel(formula, random, &basis))
+        .or_else(|| third::friction(formula, random, &basis))
+        .or_else(|| third::beside(formula, random, &basis))
 }
 
 /// Friction against speed, direction and deflection.

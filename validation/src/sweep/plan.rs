@@ -177,6 +177,25 @@ const RIGID_FORMULAS: &[Formula] = &[
     formula("unlisted:measurement/cross-talk", COULOMB),
 ];
 
+/// Third formulas of effects.
+const THIRD_FORMULAS: &[Formula] = &[
+    formula("friction.stribeck/straight", DAHL),
+    formula("friction.viscous/eyring", DAHL),
+    formula("friction.ageing/power", DAHL),
+    formula("friction.presliding-damping/exponential", DAHL),
+    formula("friction.position/parabola", BRISTLE),
+    formula("friction.position-periodic/square", BRISTLE),
+    needing("friction.normal-dependence/adhesion", DAHL, Needs::Preloads),
+    formula("friction.wear/root", BRISTLE),
+    needing("contact.normal-stiffening/round", BRISTLE, Needs::Soft),
+    formula("structure.cubic-stiffness/hyperbolic", BRISTLE),
+    formula("structure.second-support/smooth", BRISTLE),
+    formula("excitation.preload-modulation/skewed", BRISTLE),
+    formula("measurement.delay/two-low-passes", BRISTLE),
+    formula("measurement.clipping/one-sided", BRISTLE),
+    formula("measurement.offset/settling", BRISTLE),
+];
+
 /// Laws of the clean sets.
 const LAWS: [&str; 5] = ["dahl", "hybrid", "lugre", "coulomb", "stribeck"];
 
@@ -184,15 +203,24 @@ const LAWS: [&str; 5] = ["dahl", "hybrid", "lugre", "coulomb", "stribeck"];
 /// without effect. Noise and modes alternate. The order is drawn, so that any beginning of the plan is a fair sample of it.
 #[must_use]
 pub fn plan(seed: u64, clean: usize) -> Vec<Planned> {
-    let mut sets = with_effects(seed);
+    let mut sets = with_effects(FORMULAS.iter().chain(RIGID_FORMULAS), 0, seed);
     sets.extend((0..clean).map(|index| without_effect(seed, index)));
     sets.sort_by_key(|set| set.seed);
     sets
 }
 
-fn with_effects(seed: u64) -> Vec<Planned> {
+/// The same of the third formulas of effects, without clean sets.
+#[must_use]
+pub fn thirds(seed: u64) -> Vec<Planned> {
+    let mut sets = with_effects(THIRD_FORMULAS.iter(), 4_000_000, seed);
+    sets.sort_by_key(|set| set.seed);
+    sets
+}
+
+/// Sets with one effect, drawn from the numbers of a seed from a first one on.
+fn with_effects<'a>(formulas: impl Iterator<Item = &'a Formula>, first: u64, seed: u64) -> Vec<Planned> {
     let mut sets = Vec::new();
-    for formula in FORMULAS.iter().chain(RIGID_FORMULAS) {
+    for formula in formulas {
         for size in [1, 2] {
             for &law in formula.laws {
                 for slip in [RigSlip::Rotation, RigSlip::Transverse] {
@@ -213,7 +241,7 @@ fn with_effects(seed: u64) -> Vec<Planned> {
                             coloured: index / 2 % 2 == 1,
                             modes: modes(index, formula.needs == Needs::Modes),
                         },
-                        seed: mixed(seed, index as u64),
+                        seed: mixed(seed, first + index as u64),
                     });
                 }
             }
@@ -354,6 +382,20 @@ mod tests {
         let swept: BTreeSet<&str> = formulas.map(|formula| effect_id(formula)).collect();
         assert!(frettrace_explain::effect_ids().all(|known| swept.contains(known)));
         assert_eq!(sets, pairs(1));
+    }
+
+    /// Third formulas are formulas of effects that the list has, with names of their own; the same again from the same seed.
+    #[test]
+    fn third_formulas_are_of_the_list() {
+        let sets = thirds(1);
+        assert_eq!(sets, thirds(1));
+        let first: BTreeSet<&str> = FORMULAS.iter().map(|formula| formula.name).collect();
+        for set in &sets {
+            assert!(set.formulas.iter().all(|formula| !first.contains(formula)), "{}", set.name);
+            assert!(first.contains(effect_id(set.formulas[0])), "{}", set.name);
+        }
+        let names: BTreeSet<&str> = sets.iter().map(|set| set.name.as_str()).collect();
+        assert_eq!(names.len(), sets.len());
     }
 
     /// Every id that `explain` knows is in the sweep.

@@ -145,6 +145,15 @@ impl<T: Scalar> ContactLaw<T> for LocalElement {
                 let ratio = x / scale;
                 x * x * x * stiffness / (ratio * ratio + 1.0)
             }
+            Characteristic::HyperbolicSpring { stiffness, scale } => {
+                let ratio = x / scale;
+                (ratio.sinh() - ratio) * (6.0 * stiffness * scale.powi(3))
+            }
+            Characteristic::SmoothStop { stiffness, gap, smoothness } => {
+                let ratio = (x - gap) / smoothness;
+                let distance = ratio * ratio.re().signum();
+                (positive(ratio) + (-distance).exp().ln_1p()) * (stiffness * smoothness)
+            }
             // The power's derivative at rest is undefined below 1; from 1 on the force and its slope are 0 there.
             Characteristic::PowerDashpot { damping, power } => {
                 let sense = v.re().signum();

@@ -42,6 +42,9 @@ pub struct Normal {
     pub cubic: f64,
     /// Sharpness `s` of an exponential contact: `(P/s)(e^{−s k w/P} − 1)` in place of `−k w`; 0 is the straight spring.
     pub sharpness: f64,
+    /// Power `p` of a contact between round bodies: `P((1 − k w/(pP))^p − 1)` in place of `−k w`, nothing where they part; 3/2 is Hertz's, up to 1 is
+    /// the straight spring.
+    pub power: f64,
     /// Whether the contact can open; if not the normal force may turn negative (laws then use 0) and the spring pulls.
     pub lifts_off: bool,
     /// Modulation of the preload.
@@ -55,6 +58,8 @@ pub struct Modulation {
     pub share: f64,
     /// Shape `s`: `tanh(s cos)/tanh s` in place of the cosine; 0 is the cosine itself.
     pub shape: f64,
+    /// Skewness `b`: `cos(φ + b cos φ)` in place of `cos φ`, which rises faster than it falls and has no mean.
+    pub skewness: f64,
     /// Angular frequency (rad/s).
     pub omega: f64,
     /// Phase (rad).
@@ -65,7 +70,8 @@ impl Modulation {
     /// Its value at a time (s).
     #[must_use]
     pub fn at(&self, time: f64) -> f64 {
-        let wave = (self.omega * time + self.phase).cos();
+        let phase = self.omega * time + self.phase;
+        let wave = (phase + self.skewness * phase.cos()).cos();
         self.share * if self.shape > 0.0 { (self.shape * wave).tanh() / self.shape.tanh() } else { wave }
     }
 }
@@ -80,6 +86,7 @@ impl Normal {
             stiffness: 0.0,
             cubic: 0.0,
             sharpness: 0.0,
+            power: 0.0,
             lifts_off: false,
             modulation: None,
         }
@@ -98,6 +105,8 @@ impl Normal {
         let straight = -self.stiffness * displacement;
         let spring = if self.sharpness > 0.0 {
             (self.sharpness * straight / preload).exp_m1() * preload / self.sharpness
+        } else if self.power > 1.0 {
+            preload * ((1.0 + straight / (self.power * preload)).max(0.0).powf(self.power) - 1.0)
         } else {
             straight
         };
@@ -117,7 +126,8 @@ impl Normal {
     /// Whether there is any deviation.
     #[must_use]
     pub fn deviates(&self) -> bool {
-        self.port.is_some() && (self.lifts_off || self.cubic != 0.0 || self.sharpness > 0.0)
+        let bent = self.cubic != 0.0 || self.sharpness > 0.0 || self.power > 1.0;
+        self.port.is_some() && (self.lifts_off || bent)
     }
 }
 
@@ -154,6 +164,22 @@ pub enum Characteristic {
         stiffness: f64,
         /// Scale `d` (m).
         scale: f64,
+    },
+    /// `−6 k₃ d³ (sinh(y/d) − y/d)`: a cubic spring that hardens further beyond its scale.
+    HyperbolicSpring {
+        /// Cubic stiffness at small motion (N/m³).
+        stiffness: f64,
+        /// Scale `d` (m).
+        scale: f64,
+    },
+    /// `−k ε ln(1 + e^{(y − gap)/ε})`: a stop that is met gradually.
+    SmoothStop {
+        /// Stiffness (N/m).
+        stiffness: f64,
+        /// Clearance (m).
+        gap: f64,
+        /// Length `ε` over which it is met (m).
+        smoothness: f64,
     },
     /// `−c |ẏ|^{p−1} ẏ`.
     PowerDashpot {
@@ -192,6 +218,14 @@ impl Characteristic {
             Self::Stop { stiffness, gap } => -stiffness * (displacement - gap).max(0.0),
             Self::YieldingCubicSpring { stiffness, scale } => {
                 -stiffness * displacement.powi(3) / (1.0 + (displacement / scale).powi(2))
+            }
+            Self::HyperbolicSpring { stiffness, scale } => {
+                let ratio = displacement / scale;
+                -6.0 * stiffness * scale.powi(3) * (ratio.sinh() - ratio)
+            }
+            Self::SmoothStop { stiffness, gap, smoothness } => {
+                let ratio = (displacement - gap) / smoothness;
+                -stiffness * smoothness * (ratio.max(0.0) + (-ratio.abs()).exp().ln_1p())
             }
             Self::PowerDashpot { damping, power } => -damping * velocity.abs().powf(power).copysign(velocity),
             Self::RoundStop { stiffness, gap } => -stiffness * (displacement - gap).max(0.0).powf(1.5),

@@ -21,12 +21,16 @@ pub struct Chain {
     pub noise_correlation: f64,
     /// Largest magnitude the chain can carry (m/s²).
     pub limit: f64,
+    /// Largest reading upwards (m/s²), where it is another one.
+    pub upper_limit: f64,
     /// Stretches of the record, as shares of its length, that read zero.
     pub dropouts: Vec<[f64; 2]>,
     /// Whether lost samples repeat the last good one instead of reading zero.
     pub holds: bool,
     /// Change of the offset from the first sample to the last (m/s²).
     pub offset_drift: f64,
+    /// Offset at the first sample (m/s²) that dies away, to e⁻⁴ of it at the last: a charge amplifier after a shock.
+    pub settling_offset: f64,
     /// What else it does to the signal.
     pub distortion: Option<Distortion>,
 }
@@ -42,6 +46,8 @@ pub enum Distortion {
     HighPass(f64),
     /// A low-pass of first order with its time constant (s).
     LowPass(f64),
+    /// Two of them with the same time constant (s) after one another.
+    TwoLowPasses(f64),
 }
 
 impl Distortion {
@@ -62,6 +68,13 @@ impl Distortion {
                 first_order(signal, std::f64::consts::TAU * corner / rate, warm_up, |x, slow| x - slow);
             }
             Self::LowPass(time) => first_order(signal, 1.0 / (time * rate), warm_up, |_, slow| slow),
+            Self::TwoLowPasses(time) => {
+                let step = 1.0 / (time * rate);
+                let mut first = warm_up.to_vec();
+                first_order(&mut first, step, warm_up, |_, slow| slow);
+                first_order(signal, step, warm_up, |_, slow| slow);
+                first_order(signal, step, &first, |_, slow| slow);
+            }
         }
     }
 }
@@ -116,9 +129,11 @@ impl Default for Chain {
             noise: 0.0,
             noise_correlation: 0.0,
             limit: f64::INFINITY,
+            upper_limit: f64::INFINITY,
             dropouts: Vec::new(),
             holds: false,
             offset_drift: 0.0,
+            settling_offset: 0.0,
             distortion: None,
         }
     }
@@ -135,11 +150,12 @@ impl Chain {
         for (k, value) in signal.iter_mut().enumerate() {
             let hum = self.hum.map_or(0.0, |hum| hum.at(k as f64 / rate));
             let place = k as f64 / count;
-            let offset = self.offset + self.offset_drift * place;
+            let settling = self.settling_offset * (-4.0 * place).exp();
+            let offset = self.offset + self.offset_drift * place + settling;
             let read = self.gain * *value + offset + hum + self.noise * noise;
             let lost = self.dropouts.iter().any(|[from, to]| (*from..*to).contains(&place));
             if !lost {
-                held = read.clamp(-self.limit, self.limit);
+                held = read.clamp(-self.limit, self.limit.min(self.upper_limit));
             }
             *value = if lost && !self.holds { 0.0 } else { held };
             let draw: f64 = random.sample(StandardNormal);

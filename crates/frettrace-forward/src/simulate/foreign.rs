@@ -66,6 +66,22 @@ pub enum Form {
     ParallelSpring(f64),
     /// Play that closes gradually: half of it (m).
     GradualBacklash(f64),
+    /// `μ_k + rise·max(0, 1 − |v|/v_s)`: rise, velocity (m/s).
+    StraightStribeck([f64; 2]),
+    /// `f·arsinh(v/v_0)`: force (N), velocity (m/s). Eyring's film.
+    EyringViscous([f64; 2]),
+    /// `μ(1 + gain·(age/time)^p)`: gain, distance that renews the contact, time, power.
+    PowerAgeing([f64; 4]),
+    /// `σ1·e^{−|v|/v_d}`.
+    ExponentialDamping([f64; 2]),
+    /// `μ(1 + share·(u/d)²)`.
+    ParabolicPosition([f64; 2]),
+    /// `μ(1 + share·arctan(6 sin 2πu/λ)/arctan 6)`: share, wavelength.
+    SquarePosition([f64; 2]),
+    /// `μ(1 + s(N_ref/N − 1))`: adhesion as a share of the reference force (N).
+    Adhesion([f64; 2]),
+    /// `μ(1 + c√p)` at the place `p` of the run between first (0) and last (1).
+    RootWear(f64),
     /// `c v²`, whatever the direction (N·s²/m²): in nobody's list.
     SpeedSquare(f64),
     /// The normal force acts on friction with a delay of first order (s): in nobody's list.
@@ -101,6 +117,8 @@ const TRAVEL: f64 = 0.4;
 const MOST_STEPS: f64 = 64.0;
 /// Smallest friction coefficient an effect may leave.
 const LEAST_FRICTION: f64 = 1e-6;
+/// Share of the reference force below which adhesion grows no more.
+const LEAST_LOAD: f64 = 0.05;
 
 impl ForeignLaw {
     fn forms(&self) -> impl Iterator<Item = (usize, Form)> {
@@ -127,7 +145,22 @@ impl ForeignLaw {
                 Form::RationalStribeck([rise, velocity, exponent]) => {
                     mu += rise / (1.0 + (speed / velocity).powf(exponent));
                 }
+                Form::StraightStribeck([rise, velocity]) => mu += rise * (1.0 - speed / velocity).max(0.0),
                 Form::SaturatingLag([rise, ..]) => mu += rise * memory,
+                Form::PowerAgeing([gain, _, time, power]) => {
+                    mu *= 1.0 + gain * (memory.max(0.0) / time).powf(power);
+                }
+                Form::ParabolicPosition([share, distance]) => {
+                    mu *= 1.0 + share * (at.slip / distance).powi(2)
+                }
+                Form::SquarePosition([share, wavelength]) => {
+                    let wave = (6.0 * (std::f64::consts::TAU * at.slip / wavelength).sin()).atan();
+                    mu *= 1.0 + share * wave / 6.0_f64.atan();
+                }
+                Form::Adhesion([share, reference]) => {
+                    mu *= 1.0 + share * (reference / at.normal.max(LEAST_LOAD * reference) - 1.0);
+                }
+                Form::RootWear(change) => mu *= 1.0 + change * self.progress.sqrt(),
                 Form::RationalFilm([loss, ..]) => mu /= 1.0 + memory * loss / (1.0 - loss),
                 Form::SaturatingAgeing([gain, _, time]) => mu *= 1.0 - gain * (-memory / time).exp_m1(),
                 Form::SmoothAsymmetry([share, velocity]) => {
@@ -217,6 +250,10 @@ impl ForeignLaw {
                 Form::RationalDamping([sigma1, fade]) => {
                     ratio += sigma1 / (1.0 + (at.velocity / fade).powi(2)) * velocity * flow;
                 }
+                Form::ExponentialDamping([sigma1, fade]) => {
+                    ratio += sigma1 * (-at.velocity.abs() / fade).exp() * velocity * flow;
+                }
+                Form::EyringViscous([level, scale]) => force += level * (at.velocity / scale).asinh(),
                 Form::ViscousPower([coefficient, power]) => {
                     force += coefficient * at.velocity.abs().powf(power) * sense(at.velocity);
                 }
@@ -251,7 +288,9 @@ fn memory_rate(form: &Form, memory: f64, at: &At) -> f64 {
             let steady = speed / (velocity + speed);
             (steady - memory) / if steady > memory { rise } else { fall }
         }
-        Form::SaturatingAgeing([_, distance, _]) => 1.0 - speed * memory / distance,
+        Form::SaturatingAgeing([_, distance, _]) | Form::PowerAgeing([_, distance, ..]) => {
+            1.0 - speed * memory / distance
+        }
         Form::NormalMemory(time) => (at.normal - memory) / time,
         _ => 0.0,
     }
@@ -262,7 +301,7 @@ fn relaxation(form: &Form, travel: f64, duration: f64) -> f64 {
     match *form {
         Form::SaturatingLag([.., time]) | Form::NormalMemory(time) => duration / time,
         Form::RationalFilm([_, rise, fall, _]) => duration / rise.min(fall),
-        Form::SaturatingAgeing([_, distance, _]) => travel / distance,
+        Form::SaturatingAgeing([_, distance, _]) | Form::PowerAgeing([_, distance, ..]) => travel / distance,
         // The gate of the play rises over an eighth of it.
         Form::GradualBacklash(play) => 8.0 * travel / play,
         _ => 0.0,

@@ -188,6 +188,7 @@ impl Job<'_> {
             stiffness: self.rig.boundary.support_stiffness,
             cubic: self.rig.normal.cubic,
             sharpness: self.rig.normal.sharpness,
+            power: self.rig.normal.power,
             lifts_off: self.rig.normal.lifts_off,
             modulation: self
                 .run

@@ -66,6 +66,8 @@ pub struct NormalContact {
     pub cubic: f64,
     /// Sharpness of an exponential stiffening; 0 is none.
     pub sharpness: f64,
+    /// Power of a contact between round bodies; up to 1 is none.
+    pub power: f64,
     /// Whether it can open.
     pub lifts_off: bool,
 }

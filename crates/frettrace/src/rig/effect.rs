@@ -137,6 +137,37 @@ pub enum Effect {
     HeldDropout { sensor: usize, start_share: f64, length_share: f64 },
     #[serde(rename = "measurement.offset/drift")]
     OffsetDrift { sensor: usize, offset_m_per_s2: f64 },
+    /// And in third ones.
+    #[serde(rename = "friction.stribeck/straight")]
+    StraightStribeck { mu_s: f64, v_s_m_per_s: f64 },
+    #[serde(rename = "friction.viscous/eyring")]
+    EyringViscous { force_n: f64, velocity_m_per_s: f64 },
+    #[serde(rename = "friction.ageing/power")]
+    PowerAgeing { gain: f64, distance_m: f64, time_s: f64, power: f64 },
+    #[serde(rename = "friction.presliding-damping/exponential")]
+    ExponentialDamping { sigma1_s_per_m: f64, v_d_m_per_s: f64 },
+    #[serde(rename = "friction.position/parabola")]
+    ParabolicPosition { share: f64, distance_m: f64 },
+    #[serde(rename = "friction.position-periodic/square")]
+    SquarePosition { share: f64, wavelength_m: f64 },
+    #[serde(rename = "friction.normal-dependence/adhesion")]
+    Adhesion { share: f64, reference_n: f64 },
+    #[serde(rename = "friction.wear/root")]
+    RootWear { relative_change: f64 },
+    #[serde(rename = "contact.normal-stiffening/round")]
+    RoundContact { power: f64 },
+    #[serde(rename = "structure.cubic-stiffness/hyperbolic")]
+    HyperbolicCubic { position_m: f64, stiffness_n_per_m3: f64, scale_m: f64 },
+    #[serde(rename = "structure.second-support/smooth")]
+    SmoothSupport { position_m: f64, stiffness_n_per_m: f64, gap_m: f64, smoothness_m: f64 },
+    #[serde(rename = "excitation.preload-modulation/skewed")]
+    SkewedModulation { share: f64, frequency_ratio: f64, phase_rad: f64 },
+    #[serde(rename = "measurement.delay/two-low-passes")]
+    TwoLowPasses { sensor: usize, time_s: f64 },
+    #[serde(rename = "measurement.clipping/one-sided")]
+    OneSidedClipping { sensor: usize, limit_m_per_s2: f64 },
+    #[serde(rename = "measurement.offset/settling")]
+    SettlingOffset { sensor: usize, offset_m_per_s2: f64 },
     /// Effects that have no name in results: the answer must be that something is unexplained, and where.
     #[serde(rename = "unlisted:contact/speed-square")]
     SpeedSquare { coefficient_n_s2_per_m2: f64 },
@@ -161,46 +192,69 @@ impl Effect {
     #[must_use]
     pub fn id(&self) -> &'static str {
         match self {
-            Self::Stribeck { .. } | Self::RationalStribeck { .. } => "friction.stribeck",
-            Self::Viscous { .. } | Self::PowerViscous { .. } => "friction.viscous",
+            Self::Stribeck { .. } | Self::RationalStribeck { .. } | Self::StraightStribeck { .. } => {
+                "friction.stribeck"
+            }
+            Self::Viscous { .. } | Self::PowerViscous { .. } | Self::EyringViscous { .. } => {
+                "friction.viscous"
+            }
             Self::Lag { .. } | Self::SaturatingLag { .. } => "friction.lag",
             Self::Film { .. } | Self::RationalFilm { .. } => "friction.film",
-            Self::Ageing { .. } | Self::SaturatingAgeing { .. } => "friction.ageing",
+            Self::Ageing { .. } | Self::SaturatingAgeing { .. } | Self::PowerAgeing { .. } => {
+                "friction.ageing"
+            }
             Self::Asymmetry { .. } | Self::SmoothAsymmetry { .. } => "friction.asymmetry",
             Self::Breakaway { .. } | Self::StraightBreakaway { .. } => "friction.breakaway",
             Self::Exponent { .. } | Self::PowerBristle { .. } => "friction.exponent",
-            Self::PreslidingDamping { .. } | Self::RationalDamping { .. } => "friction.presliding-damping",
-            Self::Position { .. } | Self::SaturatingPosition { .. } => "friction.position",
-            Self::PositionPeriodic { .. } | Self::TrianglePosition { .. } => "friction.position-periodic",
-            Self::NormalDependence { .. } | Self::StraightNormalDependence { .. } => {
+            Self::PreslidingDamping { .. }
+            | Self::RationalDamping { .. }
+            | Self::ExponentialDamping { .. } => "friction.presliding-damping",
+            Self::Position { .. } | Self::SaturatingPosition { .. } | Self::ParabolicPosition { .. } => {
+                "friction.position"
+            }
+            Self::PositionPeriodic { .. } | Self::TrianglePosition { .. } | Self::SquarePosition { .. } => {
+                "friction.position-periodic"
+            }
+            Self::NormalDependence { .. } | Self::StraightNormalDependence { .. } | Self::Adhesion { .. } => {
                 "friction.normal-dependence"
             }
-            Self::Wear { .. } | Self::SettlingWear { .. } => "friction.wear",
+            Self::Wear { .. } | Self::SettlingWear { .. } | Self::RootWear { .. } => "friction.wear",
             Self::LiftOff => "contact.lift-off",
-            Self::NormalStiffening { .. } | Self::ExponentialStiffening { .. } => "contact.normal-stiffening",
+            Self::NormalStiffening { .. }
+            | Self::ExponentialStiffening { .. }
+            | Self::RoundContact { .. } => "contact.normal-stiffening",
             Self::TangentialStiffness { .. } | Self::SeriesSpring { .. } | Self::ParallelSpring { .. } => {
                 "contact.tangential-stiffness"
             }
             Self::Backlash { .. } | Self::GradualBacklash { .. } => "contact.backlash",
-            Self::CubicStiffness { .. } | Self::YieldingCubic { .. } => "structure.cubic-stiffness",
+            Self::CubicStiffness { .. } | Self::YieldingCubic { .. } | Self::HyperbolicCubic { .. } => {
+                "structure.cubic-stiffness"
+            }
             Self::QuadraticDamping { .. } | Self::PowerDamping { .. } => "structure.quadratic-damping",
             Self::ClampCompliance { .. } => "structure.clamp-compliance",
             Self::AddedMass { .. } => "structure.added-mass",
-            Self::SecondSupport { .. } | Self::RoundSupport { .. } | Self::RubbingSupport { .. } => {
-                "structure.second-support"
-            }
+            Self::SecondSupport { .. }
+            | Self::RoundSupport { .. }
+            | Self::RubbingSupport { .. }
+            | Self::SmoothSupport { .. } => "structure.second-support",
             Self::ModalFrequency { .. } => "structure.modal-frequency",
             Self::ModalDamping { .. } => "structure.modal-damping",
             Self::FrequencyDrift { .. } | Self::SettlingDrift { .. } => "structure.frequency-drift",
-            Self::PreloadModulation { .. } | Self::SquareModulation { .. } => "excitation.preload-modulation",
+            Self::PreloadModulation { .. }
+            | Self::SquareModulation { .. }
+            | Self::SkewedModulation { .. } => "excitation.preload-modulation",
             Self::BaseMotion { .. } => "excitation.base-motion",
             Self::Gain { .. } => "measurement.gain",
-            Self::Delay { .. } | Self::LowPass { .. } => "measurement.delay",
+            Self::Delay { .. } | Self::LowPass { .. } | Self::TwoLowPasses { .. } => "measurement.delay",
             Self::Hum { .. } | Self::ThirdHarmonicHum { .. } => "measurement.hum",
-            Self::Clipping { .. } | Self::SoftClipping { .. } => "measurement.clipping",
+            Self::Clipping { .. } | Self::SoftClipping { .. } | Self::OneSidedClipping { .. } => {
+                "measurement.clipping"
+            }
             Self::SensorPosition { .. } => "measurement.position",
             Self::Dropout { .. } | Self::HeldDropout { .. } => "measurement.dropout",
-            Self::Offset { .. } | Self::OffsetDrift { .. } => "measurement.offset",
+            Self::Offset { .. } | Self::OffsetDrift { .. } | Self::SettlingOffset { .. } => {
+                "measurement.offset"
+            }
             Self::SpeedSquare { .. } | Self::NormalMemory { .. } => "unlisted:contact",
             Self::EvenStiffness { .. } => "unlisted:structure",
             Self::ExciterMoment { .. } | Self::SecondForce { .. } => "unlisted:excitation",
@@ -222,6 +276,8 @@ impl Effect {
             | Self::PowerDamping { position_m, .. }
             | Self::RoundSupport { position_m, .. }
             | Self::RubbingSupport { position_m, .. }
+            | Self::HyperbolicCubic { position_m, .. }
+            | Self::SmoothSupport { position_m, .. }
             | Self::EvenStiffness { position_m, .. }
             | Self::SecondForce { position_m, .. } => Some(position_m),
             _ => None,
@@ -244,6 +300,9 @@ impl Effect {
             | Self::SoftClipping { sensor, .. }
             | Self::HeldDropout { sensor, .. }
             | Self::OffsetDrift { sensor, .. }
+            | Self::TwoLowPasses { sensor, .. }
+            | Self::OneSidedClipping { sensor, .. }
+            | Self::SettlingOffset { sensor, .. }
             | Self::QuadraticGain { sensor, .. }
             | Self::HighPass { sensor, .. }
             | Self::CrossTalk { sensor, .. } => Some(sensor),

@@ -23,11 +23,21 @@ pub(super) fn structure_effect(effect: &Effect, simulated: &mut SimulatedRig) {
         Effect::RubbingSupport { position_m, level_n: level, velocity_m_per_s: velocity } => {
             (position_m, Characteristic::SmoothCoulomb { level, velocity })
         }
+        Effect::HyperbolicCubic { position_m, stiffness_n_per_m3: stiffness, scale_m: scale } => {
+            (position_m, Characteristic::HyperbolicSpring { stiffness, scale })
+        }
+        Effect::SmoothSupport { position_m, stiffness_n_per_m: stiffness, gap_m: gap, smoothness_m } => {
+            (position_m, Characteristic::SmoothStop { stiffness, gap, smoothness: smoothness_m })
+        }
         Effect::EvenStiffness { position_m, stiffness_n_per_m2 } => {
             (position_m, Characteristic::EvenSpring(stiffness_n_per_m2))
         }
         Effect::ExponentialStiffening { sharpness } => {
             simulated.normal.sharpness = sharpness;
+            return;
+        }
+        Effect::RoundContact { power } => {
+            simulated.normal.power = power;
             return;
         }
         Effect::ExciterMoment { lever_m } => {
@@ -54,6 +64,9 @@ pub(super) fn channel_effect(effect: &Effect, simulated: &mut SimulatedRig) {
     let chain = &mut sensor.chain;
     match *effect {
         Effect::LowPass { time_s, .. } => chain.distortion = Some(Distortion::LowPass(time_s)),
+        Effect::TwoLowPasses { time_s, .. } => chain.distortion = Some(Distortion::TwoLowPasses(time_s)),
+        Effect::OneSidedClipping { limit_m_per_s2, .. } => chain.upper_limit = limit_m_per_s2,
+        Effect::SettlingOffset { offset_m_per_s2, .. } => chain.settling_offset = offset_m_per_s2,
         Effect::HighPass { corner_hz, .. } => chain.distortion = Some(Distortion::HighPass(corner_hz)),
         Effect::SoftClipping { limit_m_per_s2, .. } => {
             chain.distortion = Some(Distortion::SoftLimit(limit_m_per_s2));
@@ -159,6 +172,20 @@ fn form(rig: &Rig, effect: &Effect) -> Option<Form> {
         Effect::SeriesSpring { series_stiffness_n_per_m } => Form::SeriesSpring(series_stiffness_n_per_m),
         Effect::ParallelSpring { stiffness_n_per_m } => Form::ParallelSpring(stiffness_n_per_m),
         Effect::GradualBacklash { half_play_m } => Form::GradualBacklash(half_play_m),
+        Effect::StraightStribeck { mu_s, v_s_m_per_s } => Form::StraightStribeck([mu_s - mu_k, v_s_m_per_s]),
+        Effect::EyringViscous { force_n, velocity_m_per_s } => {
+            Form::EyringViscous([force_n, velocity_m_per_s])
+        }
+        Effect::PowerAgeing { gain, distance_m, time_s, power } => {
+            Form::PowerAgeing([gain, distance_m, time_s, power])
+        }
+        Effect::ExponentialDamping { sigma1_s_per_m, v_d_m_per_s } => {
+            Form::ExponentialDamping([sigma1_s_per_m, v_d_m_per_s])
+        }
+        Effect::ParabolicPosition { share, distance_m } => Form::ParabolicPosition([share, distance_m]),
+        Effect::SquarePosition { share, wavelength_m } => Form::SquarePosition([share, wavelength_m]),
+        Effect::Adhesion { share, reference_n } => Form::Adhesion([share, reference_n]),
+        Effect::RootWear { relative_change } => Form::RootWear(relative_change),
         Effect::SpeedSquare { coefficient_n_s2_per_m2 } => Form::SpeedSquare(coefficient_n_s2_per_m2),
         Effect::NormalMemory { time_s } => Form::NormalMemory(time_s),
         _ => return None,

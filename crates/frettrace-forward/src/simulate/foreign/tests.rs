@@ -97,6 +97,15 @@ fn coefficients_are_their_formulas() {
         (Form::SpeedSquare(0.01), 0.4 + 0.005 * v * v),
         (Form::NormalMemory(0.1), 0.4),
         (Form::SaturatingAgeing([0.5, 1e-3, 1.0]), 0.4),
+        (Form::StraightStribeck([0.2, 2.0 * v]), 0.5),
+        (Form::EyringViscous([0.1, v]), 0.4 + 0.05 * 1.0_f64.asinh()),
+        // An age of d/v: (1e-3/v)/1e-3 = 1/v, to the power of one half.
+        (Form::PowerAgeing([0.1, 1e-3, 1e-3, 0.5]), 0.4 * (1.0 + 0.1 / v.sqrt())),
+        (Form::ParabolicPosition([0.2, 0.5]), 0.4),
+        (Form::SquarePosition([0.2, 10.0]), 0.4),
+        // The normal force is 2.
+        (Form::Adhesion([0.2, 4.0]), 0.4 * 1.2),
+        (Form::RootWear(-0.1), 0.36),
     ];
     for (form, expected) in cases {
         let points = loop_of(&law(Bristle { sigma0: 16.0, ..dahl() }, form), 400);

@@ -13,6 +13,9 @@ const ACCELERATION: [f64; 2] = [1e-6, 1e6];
 /// Keys of an effect with their values and ranges.
 pub(super) fn ranges(rig: &Rig, effect: &Effect) -> Vec<(&'static str, f64, [f64; 2])> {
     match *effect {
+        Effect::StraightStribeck { mu_s, v_s_m_per_s } => {
+            vec![("mu_s", mu_s, [0.0, 5.0]), ("v_s_m_per_s", v_s_m_per_s, VELOCITY)]
+        }
         Effect::RationalStribeck { mu_s, v_s_m_per_s, delta } => stribeck(mu_s, v_s_m_per_s, delta),
         Effect::SaturatingLag { time_s, mu_s, v_s_m_per_s, delta } => {
             let mut list = stribeck(mu_s, v_s_m_per_s, delta);
@@ -51,8 +54,38 @@ pub(super) fn ranges(rig: &Rig, effect: &Effect) -> Vec<(&'static str, f64, [f64
         Effect::SettlingWear { relative_change } | Effect::SettlingDrift { relative_change } => {
             vec![("relative_change", relative_change, super::SMALL_CHANGE)]
         }
-        _ => beyond_friction(rig, effect),
+        _ => third_of_friction(effect).unwrap_or_else(|| beyond_friction(rig, effect)),
     }
+}
+
+fn third_of_friction(effect: &Effect) -> Option<Vec<(&'static str, f64, [f64; 2])>> {
+    Some(match *effect {
+        Effect::EyringViscous { force_n, velocity_m_per_s } => {
+            vec![("force_n", force_n, FORCE), ("velocity_m_per_s", velocity_m_per_s, VELOCITY)]
+        }
+        Effect::PowerAgeing { gain, distance_m, time_s, power } => vec![
+            ("gain", gain, [0.0, 5.0]),
+            ("distance_m", distance_m, LENGTH),
+            ("time_s", time_s, TIME),
+            ("power", power, [0.01, 1.0]),
+        ],
+        Effect::ExponentialDamping { sigma1_s_per_m, v_d_m_per_s } => {
+            vec![("sigma1_s_per_m", sigma1_s_per_m, FORCE), ("v_d_m_per_s", v_d_m_per_s, VELOCITY)]
+        }
+        Effect::ParabolicPosition { share, distance_m } => {
+            vec![("share", share, SHARE), ("distance_m", distance_m, LENGTH)]
+        }
+        Effect::SquarePosition { share, wavelength_m } => {
+            vec![("share", share, SHARE), ("wavelength_m", wavelength_m, LENGTH)]
+        }
+        Effect::Adhesion { share, reference_n } => {
+            vec![("share", share, SHARE), ("reference_n", reference_n, [1e-3, 1e6])]
+        }
+        Effect::RootWear { relative_change } => {
+            vec![("relative_change", relative_change, super::SMALL_CHANGE)]
+        }
+        _ => return None,
+    })
 }
 
 fn stribeck(mu_s: f64, velocity: f64, delta: f64) -> Vec<(&'static str, f64, [f64; 2])> {
@@ -69,7 +102,14 @@ fn beyond_friction(rig: &Rig, effect: &Effect) -> Vec<(&'static str, f64, [f64; 
         }
         Effect::ParallelSpring { stiffness_n_per_m: value } => vec![("stiffness_n_per_m", value, STIFFNESS)],
         Effect::GradualBacklash { half_play_m } => vec![("half_play_m", half_play_m, LENGTH)],
-        Effect::YieldingCubic { stiffness_n_per_m3, scale_m, .. } => {
+        Effect::RoundContact { power } => vec![("power", power, [1.0, 10.0])],
+        Effect::SmoothSupport { stiffness_n_per_m, gap_m, smoothness_m, .. } => vec![
+            ("stiffness_n_per_m", stiffness_n_per_m, STIFFNESS),
+            gap(gap_m),
+            ("smoothness_m", smoothness_m, LENGTH),
+        ],
+        Effect::YieldingCubic { stiffness_n_per_m3, scale_m, .. }
+        | Effect::HyperbolicCubic { stiffness_n_per_m3, scale_m, .. } => {
             vec![signed("stiffness_n_per_m3", stiffness_n_per_m3), ("scale_m", scale_m, LENGTH)]
         }
         Effect::PowerDamping { force_at_1_m_per_s_n, power, .. } => {
@@ -81,7 +121,8 @@ fn beyond_friction(rig: &Rig, effect: &Effect) -> Vec<(&'static str, f64, [f64; 
         Effect::RubbingSupport { level_n, velocity_m_per_s, .. } => {
             vec![("level_n", level_n, FORCE), ("velocity_m_per_s", velocity_m_per_s, VELOCITY)]
         }
-        Effect::SquareModulation { share, frequency_ratio, phase_rad } => vec![
+        Effect::SquareModulation { share, frequency_ratio, phase_rad }
+        | Effect::SkewedModulation { share, frequency_ratio, phase_rad } => vec![
             ("share", share, SHARE),
             ("frequency_ratio", frequency_ratio, [1e-3, 100.0]),
             ("phase_rad", phase_rad, [-7.0, 7.0]),
@@ -106,17 +147,21 @@ fn beyond_friction(rig: &Rig, effect: &Effect) -> Vec<(&'static str, f64, [f64; 
 fn of_a_channel(rig: &Rig, effect: &Effect) -> Vec<(&'static str, f64, [f64; 2])> {
     let last = rig.sensors.position_m.len() as f64 - 1.0;
     match *effect {
-        Effect::LowPass { time_s, .. } => vec![("time_s", time_s, TIME)],
+        Effect::LowPass { time_s, .. } | Effect::TwoLowPasses { time_s, .. } => {
+            vec![("time_s", time_s, TIME)]
+        }
         Effect::ThirdHarmonicHum { amplitude_m_per_s2, frequency_hz, third_share, .. } => vec![
             ("amplitude_m_per_s2", amplitude_m_per_s2, [0.0, 1e4]),
             ("frequency_hz", frequency_hz, [0.1, 0.5 * rig.sampling.rate_hz]),
             ("third_share", third_share, [-2.0, 2.0]),
         ],
-        Effect::SoftClipping { limit_m_per_s2, .. } => vec![("limit_m_per_s2", limit_m_per_s2, ACCELERATION)],
+        Effect::SoftClipping { limit_m_per_s2, .. } | Effect::OneSidedClipping { limit_m_per_s2, .. } => {
+            vec![("limit_m_per_s2", limit_m_per_s2, ACCELERATION)]
+        }
         Effect::HeldDropout { start_share, length_share, .. } => {
             vec![("start_share", start_share, [0.0, 1.0]), ("length_share", length_share, [0.0, 1.0])]
         }
-        Effect::OffsetDrift { offset_m_per_s2, .. } => {
+        Effect::OffsetDrift { offset_m_per_s2, .. } | Effect::SettlingOffset { offset_m_per_s2, .. } => {
             vec![("offset_m_per_s2", offset_m_per_s2, [-1e4, 1e4])]
         }
         Effect::QuadraticGain { coefficient_s2_per_m, .. } => {
