@@ -1,6 +1,6 @@
 //! `friction.ageing`.
 //!
-//! *Adds*: a coefficient that grows with the age of the contact, which slip renews.
+//! *Adds*: a coefficient that grows with the age of the contact, which slip renews: with its logarithm, with a power, or to an end.
 //!
 //! *Shows as*: a peak of friction after each reversal that grows with the time spent there.
 //!
@@ -47,6 +47,9 @@ impl Effect for FrictionAgeing {
     }
 
     fn shape(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {
-        vec![Change::linear(Hook::AgeingSaturation, 0.0, 0.3, (0.0, 1.0))]
+        vec![
+            Change::linear(Hook::AgeingSaturation, 0.0, 0.3, (0.0, 1.0)),
+            Change::linear(Hook::AgeingPower, 0.0, 0.3, (-3.0, 2.0)),
+        ]
     }
 }

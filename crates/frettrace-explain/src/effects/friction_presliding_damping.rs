@@ -1,6 +1,6 @@
 //! `friction.presliding-damping`.
 //!
-//! *Adds*: a force `N·σ1·ż` on the bristles, or `N·σ1·v(1 − |r|)`, which damps what sticks alike before and after a reversal.
+//! *Adds*: a force `N·σ1·ż` on the bristles, which may fade with the velocity, or `N·σ1·v(1 − |r|)`, which damps what sticks alike before and after a reversal.
 //!
 //! *Shows as*: dissipation in the small loops, gone where the contact slides.
 //!
@@ -56,6 +56,7 @@ impl Effect for FrictionPreslidingDamping {
     fn shape(&self, law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {
         let rational = Change::linear(Hook::DampingRational, 0.0, 0.3, (0.0, 1.0));
         let stuck = Change::linear(Hook::DampingStuck, 0.0, 0.3, (0.0, 1.0));
-        if known(law, &[Hook::DampingVelocity]) { vec![rational, stuck] } else { vec![stuck] }
+        let power = Change::between(Hook::DampingPower, 2.0, (0.5, 6.0));
+        if known(law, &[Hook::DampingVelocity]) { vec![rational, power, stuck] } else { vec![stuck] }
     }
 }

@@ -1,6 +1,6 @@
 //! `measurement.delay`.
 //!
-//! *Adds*: a delay of one sensor, or the low pass of first order `1/(1 + iωτ)` of a slow one.
+//! *Adds*: a delay of one sensor, or the low pass of a slow one, of first order or of two such stages, `(1 + iωτ/n)⁻ⁿ`.
 //!
 //! *Shows as*: one sensor late: its residual grows with the order of the line; behind a low pass it is weaker there too.
 //!
@@ -8,7 +8,7 @@
 
 use super::{Effect, EffectPlace, StructureForm};
 use crate::{Case, Scales, signed};
-use frettrace_forward::accelerations::{Quantity, Setting};
+use frettrace_forward::accelerations::{Quantity, SensorSetting, Setting};
 
 pub(super) struct MeasurementDelay;
 
@@ -43,10 +43,12 @@ impl Effect for MeasurementDelay {
             );
             let low_pass =
                 signed(Quantity::Lag(sensor), ("lag", "s"), 1e-4 * scales.period, (0.0, 0.2 * scales.period));
-            [pure, low_pass].map(|unknown| StructureForm {
-                setting: setting.clone(),
-                unknowns: vec![unknown],
-                sensor: Some(sensor),
+            let one = setting.sensors[sensor];
+            let two = SensorSetting { stages: 2.0, ..one };
+            [(pure, one), (low_pass.clone(), one), (low_pass, two)].map(|(unknown, channel)| {
+                let mut setting = setting.clone();
+                setting.sensors[sensor] = channel;
+                StructureForm { setting, unknowns: vec![unknown], sensor: Some(sensor) }
             })
         };
         (0..setting.sensors.len()).flat_map(forms).collect()

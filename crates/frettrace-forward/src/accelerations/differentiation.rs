@@ -203,13 +203,14 @@ fn sensor_column(quantity: Quantity, e: &Evaluation<'_>, plain: &Prediction) -> 
         Quantity::Gain(s) | Quantity::Delay(s) | Quantity::Lag(s) if s < column.len() => {
             let sensor = e.setting.sensors[s];
             for (h, (out, a)) in column[s].iter_mut().zip(&plain[s]).enumerate() {
-                let rate = Complex64::new(0.0, h as f64 * omega);
+                let line = h as f64 * omega;
+                let rate = Complex64::new(0.0, line);
                 let slope = match quantity {
                     Quantity::Gain(_) => Complex64::from(sensor.gain.recip()),
                     Quantity::Delay(_) => -rate,
-                    _ => -rate / (1.0 + rate * sensor.lag),
+                    _ => -rate / sensor.stage(line),
                 };
-                *out = a * sensor.response(h as f64 * omega) * slope;
+                *out = a * sensor.response(line) * slope;
             }
         }
         Quantity::Offset(s) if s < column.len() => column[s][0] = Complex64::ONE,

@@ -67,22 +67,31 @@ pub struct SensorSetting {
     pub delay: f64,
     /// Distance from the declared position (m).
     pub shift: f64,
-    /// Time constant of a low pass of first order (s).
+    /// Time by which a low pass is late at low frequencies (s): its time constant, that of all its stages together.
     pub lag: f64,
+    /// Equal stages of first order that it has.
+    pub stages: f64,
     /// Offset (m/s²).
     pub offset: f64,
 }
 
 impl Default for SensorSetting {
     fn default() -> Self {
-        Self { gain: 1.0, delay: 0.0, shift: 0.0, lag: 0.0, offset: 0.0 }
+        Self { gain: 1.0, delay: 0.0, shift: 0.0, lag: 0.0, stages: 1.0, offset: 0.0 }
     }
 }
 
 impl SensorSetting {
-    /// `g e^{−iωd}/(1 + iωτ)` at an angular frequency (rad/s): what the channel makes of a line.
+    /// `g e^{−iωd}/(1 + iωτ/n)ⁿ` at an angular frequency (rad/s): what the channel makes of a line.
     pub(super) fn response(&self, omega: f64) -> Complex64 {
-        Complex64::from_polar(self.gain, -omega * self.delay) / Complex64::new(1.0, omega * self.lag)
+        let late = Complex64::from_polar(self.gain, -omega * self.delay);
+        let stage = self.stage(omega);
+        late / if self.stages == 1.0 { stage } else { stage.powf(self.stages) }
+    }
+
+    /// `1 + iωτ/n`, by which one stage of the low pass divides.
+    pub(super) fn stage(&self, omega: f64) -> Complex64 {
+        Complex64::new(1.0, omega * self.lag / self.stages)
     }
 }
 
@@ -306,7 +315,7 @@ impl Setting {
             }
             Quantity::Gain(k) => sensor(&mut self.sensors, k, |s| s.gain = 1.0),
             Quantity::Delay(k) => sensor(&mut self.sensors, k, |s| s.delay = 0.0),
-            Quantity::Lag(k) => sensor(&mut self.sensors, k, |s| s.lag = 0.0),
+            Quantity::Lag(k) => sensor(&mut self.sensors, k, |s| (s.lag, s.stages) = (0.0, 1.0)),
             Quantity::Shift(k) => sensor(&mut self.sensors, k, |s| s.shift = 0.0),
             Quantity::Offset(k) => sensor(&mut self.sensors, k, |s| s.offset = 0.0),
         }

@@ -76,6 +76,10 @@ impl<T: Scalar> ModifiedLaw<T> {
         } else if self.on(Hook::AgeingGain) {
             let age = end.memory / self.at(Hook::AgeingTime);
             let mut strength = age.ln_1p();
+            if self.on(Hook::AgeingPower) {
+                // ((1 + a)^p − 1)/p = l (e^y − 1)/y with y = p l, l = ln(1 + a).
+                strength *= decay_mean(-(self.at(Hook::AgeingPower) * strength));
+            }
             if self.on(Hook::AgeingSaturation) {
                 let ending = -(-age).exp() + 1.0;
                 strength += (ending - strength) * self.at(Hook::AgeingSaturation);
@@ -176,6 +180,10 @@ impl<T: Scalar> ModifiedLaw<T> {
             if self.on(Hook::PeriodicSharpness) && size.re() > 0.0 {
                 let sharpness = self.at(Hook::PeriodicSharpness);
                 wave = size * (sharpness * wave / size).asin() / sharpness.asin();
+            }
+            if self.on(Hook::PeriodicSteepness) && size.re() > 0.0 {
+                let steepness = self.at(Hook::PeriodicSteepness);
+                wave = size * (steepness * wave / size).tanh() / steepness.tanh();
             }
             factor += wave;
             if self.on(Hook::PeriodicSine2) {

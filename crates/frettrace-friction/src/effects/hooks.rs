@@ -1,7 +1,7 @@
 //! The parameters of the modified law.
 
 /// Number of hooks.
-pub const HOOKS: usize = 75;
+pub const HOOKS: usize = 86;
 
 /// A parameter of [`ModifiedLaw`](super::ModifiedLaw): those of the declared laws first, then those of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -160,6 +160,28 @@ pub enum Hook {
     DampingStuck,
     /// Whether the dependence on the normal force is that of the whole bristle force, its stiffness included (1), or of its limit (0).
     NormalWhole,
+    /// Share `c` of the reference velocity up to which a viscous force with a power is straight, `σ2·v·(y^q + c^q)^{(p−1)/q}` with `y = |v|/v₀`.
+    ViscousCore,
+    /// Sharpness `q` with which it turns over there; 2 is the plain one.
+    ViscousTurn,
+    /// Power `p` of an ageing, `((1 + age/time)^p − 1)/p` in place of the logarithm, which is `p = 0`; below 0 it ends.
+    AgeingPower,
+    /// Steepness `κ` of the periodic change with slip, `tanh(κ w)/tanh κ` of its wave `w`: a square wave in the end.
+    PeriodicSteepness,
+    /// Second harmonic of the modulation of the preload: cosine share.
+    ModulationCosine2,
+    /// The same, sine share.
+    ModulationSine2,
+    /// Third harmonic of the modulation of the preload: cosine share.
+    ModulationCosine3,
+    /// The same, sine share.
+    ModulationSine3,
+    /// Fourth harmonic of the modulation of the preload: cosine share.
+    ModulationCosine4,
+    /// The same, sine share.
+    ModulationSine4,
+    /// Power `p` of the fading of the presliding damping, `exp(−|v/v_d|^p)` and `1/(1 + |v/v_d|^p)`; 2 is the plain one.
+    DampingPower,
 }
 
 impl Hook {
@@ -240,6 +262,17 @@ impl Hook {
         Self::ShoulderGap,
         Self::DampingStuck,
         Self::NormalWhole,
+        Self::ViscousCore,
+        Self::ViscousTurn,
+        Self::AgeingPower,
+        Self::PeriodicSteepness,
+        Self::ModulationCosine2,
+        Self::ModulationSine2,
+        Self::ModulationCosine3,
+        Self::ModulationSine3,
+        Self::ModulationCosine4,
+        Self::ModulationSine4,
+        Self::DampingPower,
     ];
 
     /// Value at which the hook adds nothing, where it measures the size of an effect; `None` for shapes, times and scales.
@@ -281,7 +314,13 @@ impl Hook {
             | Self::BristleAsymmetry
             | Self::ShoulderStiffness
             | Self::ModulationCosine
-            | Self::ModulationSine => Some(0.0),
+            | Self::ModulationSine
+            | Self::ModulationCosine2
+            | Self::ModulationSine2
+            | Self::ModulationCosine3
+            | Self::ModulationSine3
+            | Self::ModulationCosine4
+            | Self::ModulationSine4 => Some(0.0),
             _ => None,
         }
     }
@@ -365,6 +404,17 @@ impl Hook {
             Self::ShoulderGap => ("shoulder_gap", "m"),
             Self::DampingStuck => ("damping_stuck", "1"),
             Self::NormalWhole => ("normal_whole", "1"),
+            Self::ViscousCore => ("viscous_core", "1"),
+            Self::ViscousTurn => ("viscous_turn", "1"),
+            Self::AgeingPower => ("ageing_power", "1"),
+            Self::PeriodicSteepness => ("periodic_steepness", "1"),
+            Self::ModulationCosine2 => ("modulation_cosine_2", "1"),
+            Self::ModulationSine2 => ("modulation_sine_2", "1"),
+            Self::ModulationCosine3 => ("modulation_cosine_3", "1"),
+            Self::ModulationSine3 => ("modulation_sine_3", "1"),
+            Self::ModulationCosine4 => ("modulation_cosine_4", "1"),
+            Self::ModulationSine4 => ("modulation_sine_4", "1"),
+            Self::DampingPower => ("damping_power", "1"),
         }
     }
 }

@@ -154,13 +154,21 @@ impl<T: Scalar> ModifiedLaw<T> {
     }
 
     /// `|v/v₀|^{p−1}` of the viscous force, one where no power is stated; the corner at rest of a power below one is rounded
-    /// over `v₀/1000`.
+    /// over `v₀/1000`, or `(y^q + c^q)^{(p−1)/q}`, `y = |v|/v₀`: from a straight line near rest to a power at speed, which a force that thins with
+    /// the rate of shear has (Eyring's arsinh within 2e-3, hyperbolic and rational saturation).
     fn thickening(&self, velocity: T) -> T {
         if !self.on(Hook::ViscousPower) {
             return T::from(1.0);
         }
         let x = velocity / self.at(Hook::ViscousReference);
-        ((self.at(Hook::ViscousPower) - 1.0) * 0.5 * (x * x + 1e-6).ln()).exp()
+        let bend = self.at(Hook::ViscousPower) - 1.0;
+        if !self.on(Hook::ViscousCore) {
+            return (bend * 0.5 * (x * x + 1e-6).ln()).exp();
+        }
+        let turn = if self.on(Hook::ViscousTurn) { self.at(Hook::ViscousTurn) } else { T::from(2.0) };
+        let speed = (x * x + 1e-6).sqrt();
+        let power = |of: T| (turn * of.ln()).exp();
+        (bend * (power(speed) + power(self.at(Hook::ViscousCore))).ln() / turn).exp()
     }
 
     /// `σ1(v)·ż` with `ż = v·φ(r)`, of which a spring in series takes a part.
@@ -177,8 +185,12 @@ impl<T: Scalar> ModifiedLaw<T> {
         let mut sigma1 = self.at(Hook::Sigma1);
         if self.on(Hook::DampingVelocity) {
             let x = velocity / self.at(Hook::DampingVelocity);
-            let fading = (-(x * x)).exp();
-            let rational = (x * x + 1.0).recip();
+            let mut grown = x * x;
+            if self.on(Hook::DampingPower) {
+                grown = (self.at(Hook::DampingPower) * 0.5 * (grown + 1e-9).ln()).exp();
+            }
+            let fading = (-grown).exp();
+            let rational = (grown + 1.0).recip();
             sigma1 *= fading + (rational - fading) * self.at(Hook::DampingRational);
         }
         sigma1 * velocity * rate
@@ -207,6 +219,14 @@ impl<T: Scalar> ModifiedLaw<T> {
         if self.on(Hook::ModulationSteepness) && steepness.re() > 0.0 {
             let size = (cosine * cosine + sine * sine).sqrt();
             share = size * (steepness * share / size).tanh() / steepness.tanh();
+        }
+        if self.on(Hook::ModulationCosine2) {
+            let [c2, s2] = [c * c - s * s, 2.0 * s * c];
+            let [c3, s3] = [c2 * c - s2 * s, s2 * c + c2 * s];
+            let [c4, s4] = [c2 * c2 - s2 * s2, 2.0 * s2 * c2];
+            share += self.at(Hook::ModulationCosine2) * c2 + self.at(Hook::ModulationSine2) * s2;
+            share += self.at(Hook::ModulationCosine3) * c3 + self.at(Hook::ModulationSine3) * s3;
+            share += self.at(Hook::ModulationCosine4) * c4 + self.at(Hook::ModulationSine4) * s4;
         }
         normal + share * preload
     }

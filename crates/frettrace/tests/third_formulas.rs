@@ -1,0 +1,32 @@
+//! Effects in formulas that the model that explains does not have, on the demonstration rig.
+
+use frettrace::Progress;
+use frettrace::explain::{ExplainOptions, explain};
+use frettrace::rig::parse_rig;
+use frettrace::simulate::simulate;
+use frettrace_measurement::Recording;
+use std::path::Path;
+
+const RIG: &str = include_str!("../../../data/demo/rig.toml");
+
+/// The name is the claim, and not the formula: a viscous force that follows the inverse hyperbolic sine of the speed (Eyring), a preload that rises
+/// faster than it falls, a channel with two slow stages.
+#[test]
+fn another_laboratorys_formula_has_the_effects_name() {
+    let quiet = Progress::silent();
+    for effect in [
+        "friction.viscous/eyring\"\nforce_n = 4.0\nvelocity_m_per_s = 0.004",
+        "excitation.preload-modulation/skewed\"\nshare = 0.2\nfrequency_ratio = 1.0\nphase_rad = 0.7",
+        "measurement.delay/two-low-passes\"\nsensor = 2\ntime_s = 1.3e-4",
+    ] {
+        let rig = RIG.split("[[effect]]").next().unwrap().to_owned() + "[[effect]]\nid = \"" + effect;
+        let made = simulate(&parse_rig(&rig, Path::new("rig.toml")).unwrap(), &quiet).unwrap();
+        let recording = Recording::Measurement(made.measurement);
+        let found = explain(&recording, &ExplainOptions::default(), &quiet).unwrap();
+        let named: Vec<&str> = found.effects.iter().map(|effect| effect.id.as_str()).collect();
+        assert_eq!(named, [effect.split('/').next().unwrap()], "{effect}");
+        let held_out = found.held_out.unwrap();
+        let [before, after] = [held_out.before, held_out.after].map(|error| error / held_out.noise_floor);
+        assert!(before > 1.5 && after < 1.1, "{effect}: {before} {after}");
+    }
+}
