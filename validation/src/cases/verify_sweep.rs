@@ -3,7 +3,7 @@
 use super::stored;
 use crate::case::{Case, Outcome, Row};
 use crate::sweep::judged::{Judged, Worth, judge};
-use crate::sweep::plan::{Planned, pairs, plan};
+use crate::sweep::plan::{Planned, pairs, plan, thirds};
 use crate::sweep::tables::{Counts, detection};
 use crate::sweep::{CLEAN, SEED};
 use rayon::prelude::*;
@@ -118,6 +118,16 @@ const MENDED_PAIRS: [(u64, &str); 3] = [
     (403, "friction.viscous/power + friction.position-periodic/triangle 2 dahl transverse"),
 ];
 
+/// The same with third formulas: a viscous force that thins, a skewed and a square wave, a channel of two stages.
+const MENDED_THIRDS: [(u64, &str); 6] = [
+    (501, "friction.viscous/eyring 1 dahl rotation"),
+    (501, "friction.viscous/eyring 2 dahl transverse"),
+    (501, "excitation.preload-modulation/skewed 1 hybrid rotation"),
+    (501, "excitation.preload-modulation/skewed 2 dahl transverse"),
+    (502, "measurement.delay/two-low-passes 1 dahl transverse"),
+    (502, "measurement.delay/two-low-passes 2 dahl rotation"),
+];
+
 fn run() -> anyhow::Result<Outcome> {
     let sets: Vec<Judged> = stored("verify_sweep/sweep.jsonl")?;
     let mut rows = counted(&Counts::of(&sets));
@@ -125,6 +135,7 @@ fn run() -> anyhow::Result<Outcome> {
         rows.push(reported(format!("detected, error without it {low} to {high} of the noise"), found, count));
     }
     rows.extend(of_two(&Counts::of(&stored("verify_sweep/pairs.jsonl")?)));
+    rows.extend(of_thirds(&Counts::of(&stored("verify_sweep/thirds.jsonl")?)));
     rows.push(again(&sets));
     rows.push(mended());
     Ok(Outcome::Ran(rows))
@@ -157,6 +168,18 @@ fn of_two(c: &Counts) -> Vec<Row> {
         some("one of two, and no other name", c.half),
         some("a wrong name (target 0.02)", c.wrong),
         some("unexplained", c.unexplained),
+    ]
+}
+
+/// Of sets whose effect is in the list and has a third formula.
+fn of_thirds(c: &Counts) -> Vec<Row> {
+    let some = |quantity: &str, part, whole| reported(format!("third formulas: {quantity}"), part, whole);
+    vec![
+        some("the right name or its class (target 0.95)", c.right + c.class, c.named),
+        some("a wrong name (target 0.02)", c.wrong, c.named),
+        some("unexplained", c.unexplained, c.named),
+        some("nothing missing", c.missed, c.named),
+        some("not in the list: unexplained, the right place", c.placed, c.nameless),
     ]
 }
 
@@ -201,12 +224,14 @@ fn mended() -> Row {
     };
     let singles = MENDED.par_iter().map(|&(seed, name)| (plan(seed, CLEAN), name));
     let of_two = MENDED_PAIRS.par_iter().map(|&(seed, name)| (pairs(seed), name));
-    let right = singles.chain(of_two).filter(right).count();
+    let of_thirds = MENDED_THIRDS.par_iter().map(|&(seed, name)| (thirds(seed), name));
+    let right = singles.chain(of_two).chain(of_thirds).filter(right).count();
+    let count = MENDED.len() + MENDED_PAIRS.len() + MENDED_THIRDS.len();
     Row {
         expected: Some(1.0),
         tolerance: 0.0,
         source: "the truth of the simulated rigs",
         reason: "answered wrong once",
-        ..reported("answered wrong once: right".into(), right, MENDED.len() + MENDED_PAIRS.len())
+        ..reported("answered wrong once: right".into(), right, count)
     }
 }
