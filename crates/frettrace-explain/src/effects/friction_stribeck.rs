@@ -1,6 +1,7 @@
 //! `friction.stribeck`.
 //!
-//! *Adds*: a friction coefficient that falls with speed, `μ(v) = μ_k + Δμ·w(|v|/v_s)`, `w` exponential with a free exponent or rational.
+//! *Adds*: a friction coefficient that falls with speed, `μ(v) = μ_k + Δμ·w(|v|/v_s)`, `w` exponential with a free exponent, rational, or any curve
+//! between these and beyond, down to one that ends at a speed.
 //!
 //! *Shows as*: friction missing near the reversals, in every loop of every level; odd harmonics of the force.
 //!
@@ -55,5 +56,14 @@ impl Effect for FrictionStribeck {
             ]));
         }
         forms
+    }
+
+    /// Between and beyond the exponential and the rational curve: one that ends at a speed, or falls for longer.
+    fn shape(&self, law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {
+        if !known(law, &[Hook::StribeckRise]) {
+            return Vec::new();
+        }
+        let start = 1.0 + law.get(Hook::RationalShare).unwrap_or(0.0);
+        vec![Change::linear(Hook::StribeckBend, start, 0.3, (-1.0, 5.0))]
     }
 }

@@ -18,12 +18,32 @@ pub(super) fn ended<T: Scalar>(value: T, x: T, power: T) -> T {
     value * (-(grown.ln_1p() / power)).exp()
 }
 
+/// `(1 + b y)₊^{−1/b}`, `y ≥ 0`, also for `b → 0`, where it is `e^{−y}`: up to `b y = 10⁻⁴` by the series of `ln(1 + b y)/b`, whose next term is
+/// `b³y⁴/4`.
+fn bent<T: Scalar>(y: T, bend: T) -> T {
+    let grown = y * bend;
+    if grown.re() <= -1.0 {
+        return T::from(0.0);
+    }
+    let falls = if grown.re().abs() < 1e-4 {
+        y * (grown * grown / 3.0 - grown * 0.5 + 1.0)
+    } else {
+        grown.ln_1p() / bend
+    };
+    (-falls).exp()
+}
+
 impl<T: Scalar> ModifiedLaw<T> {
-    /// Stribeck weight `w(x)`, `x = |v|/v_s`: 1 at rest, 0 at speed; `exp(−x^δ)`, of which a share may be `1/(1 + x^δ)`.
+    /// Stribeck weight `w(x)`, `x = |v|/v_s`: 1 at rest, 0 at speed; `exp(−x^δ)`, of which a share may be `1/(1 + x^δ)`, or Tsallis' exponential of
+    /// `−x^δ`, which has both and curves that end.
     pub(super) fn weight(&self, speed: T) -> T {
         let stated = self.on(Hook::StribeckExponent);
         let delta = if stated { self.at(Hook::StribeckExponent) } else { T::from(2.0) };
         let velocity = self.at(Hook::StribeckVelocity);
+        if self.on(Hook::StribeckBend) {
+            let power = (delta * (speed / velocity + 1e-9).ln()).exp();
+            return bent(power, self.at(Hook::StribeckBend) - 1.0);
+        }
         if !self.on(Hook::RationalShare) {
             return stribeck(speed, [T::from(1.0), T::from(0.0), velocity, delta]);
         }

@@ -1,7 +1,7 @@
 //! The parameters of the modified law.
 
 /// Number of hooks.
-pub const HOOKS: usize = 86;
+pub const HOOKS: usize = 87;
 
 /// A parameter of [`ModifiedLaw`](super::ModifiedLaw): those of the declared laws first, then those of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -182,6 +182,9 @@ pub enum Hook {
     ModulationSine4,
     /// Power `p` of the fading of the presliding damping, `exp(−|v/v_d|^p)` and `1/(1 + |v/v_d|^p)`; 2 is the plain one.
     DampingPower,
+    /// Bend `q` of the Stribeck curve, `(1 + (q − 1) x^δ)₊^{−1/(q − 1)}` (Tsallis' exponential) in place of exponential and rational decay: 1 is the
+    /// exponential, 2 the rational one, and 0 a curve that ends, with `δ = 1` a straight line.
+    StribeckBend,
 }
 
 impl Hook {
@@ -273,6 +276,7 @@ impl Hook {
         Self::ModulationCosine4,
         Self::ModulationSine4,
         Self::DampingPower,
+        Self::StribeckBend,
     ];
 
     /// Value at which the hook adds nothing, where it measures the size of an effect; `None` for shapes, times and scales.
@@ -415,6 +419,7 @@ impl Hook {
             Self::ModulationCosine4 => ("modulation_cosine_4", "1"),
             Self::ModulationSine4 => ("modulation_sine_4", "1"),
             Self::DampingPower => ("damping_power", "1"),
+            Self::StribeckBend => ("stribeck_bend", "1"),
         }
     }
 }

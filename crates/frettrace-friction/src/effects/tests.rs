@@ -125,6 +125,23 @@ fn neutral_shapes_change_nothing() {
             1e-5,
             1e-9,
         ),
+        (
+            vec![(Hook::StribeckRise, 0.2), (Hook::StribeckVelocity, 0.5), (Hook::StribeckExponent, 1.3)],
+            Hook::StribeckBend,
+            1.0,
+            1e-7,
+        ),
+        (
+            vec![
+                (Hook::StribeckRise, 0.2),
+                (Hook::StribeckVelocity, 0.5),
+                (Hook::StribeckExponent, 1.3),
+                (Hook::RationalShare, 1.0),
+            ],
+            Hook::StribeckBend,
+            2.0,
+            1e-7,
+        ),
         (vec![(Hook::Wear, 0.4)], Hook::WearExponent, 1.0, 1e-12),
         (vec![(Hook::Wear, 0.4)], Hook::WearSettling, 0.0, 1e-12),
         (vec![(Hook::Asymmetry, 0.2), (Hook::AsymmetryVelocity, 0.3)], Hook::AsymmetryPower, 2.0, 1e-6),
@@ -208,6 +225,17 @@ fn other_shapes_are_their_formulas() {
     for (slip, sign) in [(0.1, 1.0), (0.45, -1.0)] {
         assert!((slide(&square, slip) - 0.4 * (1.0 + 0.1 * sign)).abs() < 1e-6, "{slip}");
     }
+    // Straight from 0.6 at rest to 0.4 at a speed of 1, and nothing beyond.
+    let straight = |velocity| {
+        [
+            (Hook::StribeckRise, 0.2),
+            (Hook::StribeckVelocity, velocity),
+            (Hook::StribeckExponent, 1.0),
+            (Hook::StribeckBend, 0.0),
+        ]
+    };
+    assert!((slide(&straight(1.0), 0.3) - 0.4 - 0.2 * 0.3).abs() < 1e-6);
+    assert!((slide(&straight(0.5), 0.3) - 0.4).abs() < 1e-9);
     let wave = [
         (Hook::ModulationCosine, 0.1),
         (Hook::ModulationSine, 0.2),
@@ -466,6 +494,8 @@ fn zoo() -> Vec<ModifiedLaw<f64>> {
                 (Hook::AgeingPower, 0.4),
             ],
         ),
+        (stribeck, vec![(Hook::StribeckBend, 1.4)]),
+        (stribeck, vec![(Hook::StribeckBend, 0.7)]),
         (dahl, vec![(Hook::NormalExponent, 0.3), (Hook::Wear, 0.2)]),
     ] {
         laws.push(with(&law, &hooks));
