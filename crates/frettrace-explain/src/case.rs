@@ -146,9 +146,6 @@ const HIGHER_FREQUENCY: f64 = 1e-3;
 const HIGHER_DAMPING: f64 = 0.4;
 /// Damping ratio where none was measured, and its relative standard deviation: bolted metal beams have 0.1 to 1 %.
 const UNKNOWN_DAMPING: (f64, f64) = (5e-3, 0.6);
-/// Highest natural frequency that is opened over that of the highest line: of a mode a tenth beyond it, `HIGHER_FREQUENCY` leaves 1.2 % of its part
-/// of that line open, `2·10⁻³/(1 − 1.1⁻²)`.
-const BEYOND: f64 = 1.1;
 /// Most modes that have values of their own.
 const MOST_MODES: usize = 14;
 
@@ -166,8 +163,8 @@ impl Case {
         Setting { rigid: self.law.is_static(), ..setting }
     }
 
-    /// Opens the modes of the declared beam beyond the measured ones up to a little above the highest line: nobody measured them,
-    /// and harmonics of the contact force reach them.
+    /// Opens the modes of the declared beam beyond the measured ones up to the highest line: nobody measured them, and
+    /// harmonics of the contact force reach them.
     ///
     /// Their frequencies are the declared beam's within `HIGHER_FREQUENCY`, their damping ratios the last measured one's
     /// within `HIGHER_DAMPING`; where nothing was measured, a metal beam's with joints, `UNKNOWN_DAMPING`.
@@ -185,7 +182,7 @@ impl Case {
             None => UNKNOWN_DAMPING,
         };
         let known = self.modes.measured.max(self.modes.damping.len());
-        for &frequency in beam.natural_frequency().iter().skip(known).take_while(|f| **f < BEYOND * highest) {
+        for &frequency in beam.natural_frequency().iter().skip(known).take_while(|f| **f < highest) {
             self.modes.frequency.push(frequency);
             self.modes.frequency_std.resize(self.modes.frequency.len() - 1, 1e-3 * frequency);
             self.modes.frequency_std.push(HIGHER_FREQUENCY * frequency);
