@@ -9,14 +9,12 @@ use std::path::Path;
 
 const RIG: &str = include_str!("../../../data/demo/rig.toml");
 
-/// The name is the claim, and not the formula: a viscous force that follows the inverse hyperbolic sine of the speed (Eyring), a preload that rises
-/// faster than it falls, a channel with two slow stages.
+/// The name is the claim, and not the formula: a viscous force that follows the inverse hyperbolic sine of the speed (Eyring), a channel with two slow stages.
 #[test]
 fn another_laboratorys_formula_has_the_effects_name() {
     let quiet = Progress::silent();
     for effect in [
         "friction.viscous/eyring\"\nforce_n = 4.0\nvelocity_m_per_s = 0.004",
-        "excitation.preload-modulation/skewed\"\nshare = 0.2\nfrequency_ratio = 1.0\nphase_rad = 0.7",
         "measurement.delay/two-low-passes\"\nsensor = 2\ntime_s = 1.3e-4",
     ] {
         let rig = RIG.split("[[effect]]").next().unwrap().to_owned() + "[[effect]]\nid = \"" + effect;

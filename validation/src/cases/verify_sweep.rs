@@ -118,13 +118,11 @@ const MENDED_PAIRS: [(u64, &str); 3] = [
     (403, "friction.viscous/power + friction.position-periodic/triangle 2 dahl transverse"),
 ];
 
-/// The same with third formulas: a viscous force that thins, a preload that rises faster than it falls, a channel of two stages, a
+/// The same with third formulas: a viscous force that thins, a channel of two stages, a
 /// damping that fades slowly, a curve that is straight.
-const MENDED_THIRDS: [(u64, &str); 8] = [
+const MENDED_THIRDS: [(u64, &str); 6] = [
     (501, "friction.viscous/eyring 1 dahl rotation"),
     (501, "friction.viscous/eyring 2 dahl transverse"),
-    (501, "excitation.preload-modulation/skewed 1 hybrid rotation"),
-    (501, "excitation.preload-modulation/skewed 2 dahl transverse"),
     (502, "measurement.delay/two-low-passes 1 dahl transverse"),
     (502, "measurement.delay/two-low-passes 2 dahl rotation"),
     (503, "friction.presliding-damping/exponential 1 dahl rotation"),
