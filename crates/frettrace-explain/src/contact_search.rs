@@ -202,16 +202,16 @@ impl Study<'_> {
         setting: &Setting,
         from: &ContactCandidate,
     ) -> Option<ContactCandidate> {
-        let begin = |(law, brought): (ModifiedLaw<f64>, Vec<Unknown>)| {
-            let begun = ContactCandidate { law, ..from.clone() };
-            let setting = Setting { law, modulation: from.modulation, ..setting.clone() };
-            let unknowns = merge(&from.unknowns, &brought);
-            let form = (from.effect, &ContactForm::new(Vec::new()));
-            self.contact_steps(recovered, &setting, &unknowns, form, (Some(&begun), ALL_STEPS))
-        };
-        let found = shaped(from.effect, &from.law, &from.unknowns, &self.scales).filter_map(begin);
-        let best = found.min_by(|a, b| a.criterion.total_cmp(&b.criterion));
-        best.filter(|found| found.criterion + EVIDENCE < from.criterion)
+        let mut begun = from.clone();
+        let brought = shaped(from.effect, &mut begun.law, &from.unknowns, &self.scales);
+        if brought.is_empty() {
+            return None;
+        }
+        let setting = Setting { law: begun.law, modulation: from.modulation, ..setting.clone() };
+        let unknowns = merge(&from.unknowns, &brought);
+        let form = (from.effect, &ContactForm::new(Vec::new()));
+        let found = self.contact_steps(recovered, &setting, &unknowns, form, (Some(&begun), ALL_STEPS))?;
+        (found.criterion + EVIDENCE < from.criterion).then_some(found)
     }
 
     /// The forms of an effect on the recovered contacts, each from the law that the effect was found with and without its `own` values, best

@@ -290,17 +290,18 @@ impl Search<'_> {
     /// A model that leaves more than the noise, fitted further: from errors as they are without one, for those that went with a poorer one are
     /// not its own, and then with the further values of its last effect's shape, which may be another laboratory's.
     fn ended(&self, found: Fitted) -> Fitted {
-        let mut found = self.to_its_end(self.bettered(found.clone(), found));
-        let Some(&effect) = found.effects.last() else { return found };
-        let plain = found.clone();
-        for (law, brought) in shaped(effect, &plain.law, &plain.unknowns, &self.scales) {
-            let mut richer = Fitted { law, unknowns: merge(&plain.unknowns, &brought), ..plain.clone() };
-            if let Some(own) = richer.added.last_mut() {
-                own.extend(brought);
-            }
-            found = self.to_its_end(self.bettered(found, richer));
+        let found = self.to_its_end(self.bettered(found.clone(), found));
+        let mut richer = found.clone();
+        let (Some(&effect), Some(own)) = (found.effects.last(), richer.added.last_mut()) else {
+            return found;
+        };
+        let brought = shaped(effect, &mut richer.law, &found.unknowns, &self.scales);
+        if brought.is_empty() {
+            return found;
         }
-        found
+        richer.unknowns = merge(&found.unknowns, &brought);
+        own.extend(brought);
+        self.to_its_end(self.bettered(found, richer))
     }
 
     /// A model fitted on as long as that takes a fair share of what it leaves.

@@ -113,25 +113,19 @@ pub(crate) fn apply(changes: &[Change], law: &mut ModifiedLaw<f64>) -> Vec<Unkno
     changes.iter().filter_map(unknown).collect()
 }
 
-/// A law with the further values of an effect's shape free, as far as they are not `known` to be, and these values: one for each of its shapes
-/// that brings any. What the law has of them already stays.
+/// Frees the further values of an effect's shape in a law, as far as they are not `known` to be free; what it has of them already stays.
 pub(crate) fn shaped(
     effect: usize,
-    law: &ModifiedLaw<f64>,
+    law: &mut ModifiedLaw<f64>,
     known: &[Unknown],
     scales: &Scales,
-) -> impl Iterator<Item = (ModifiedLaw<f64>, Vec<Unknown>)> {
-    let shapes = [ALL[effect].shape(law, scales), ALL[effect].other_shape(law, scales)];
-    let free = |mut shape: Vec<Change>| {
-        shape.retain(|change| known.iter().all(|u| u.quantity != Quantity::Law(change.hook)));
-        for change in &mut shape {
-            change.start = law.get(change.hook).unwrap_or(change.start);
-        }
-        let mut law = *law;
-        let brought = apply(&shape, &mut law);
-        (law, brought)
-    };
-    shapes.map(free).into_iter().filter(|(_, brought)| !brought.is_empty())
+) -> Vec<Unknown> {
+    let mut shape = ALL[effect].shape(law, scales);
+    shape.retain(|change| known.iter().all(|u| u.quantity != Quantity::Law(change.hook)));
+    for change in &mut shape {
+        change.start = law.get(change.hook).unwrap_or(change.start);
+    }
+    apply(&shape, law)
 }
 
 /// Hooks that forms of an effect set and leave as they are: which formula it is.
@@ -211,11 +205,6 @@ pub(crate) trait Effect: Sync {
 
     /// Further values of the shape it has in a law, from those that add nothing, for data that its forms do not satisfy.
     fn shape(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {
-        Vec::new()
-    }
-
-    /// The same of another shape that it may have, which has no use for the values of the first.
-    fn other_shape(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {
         Vec::new()
     }
 

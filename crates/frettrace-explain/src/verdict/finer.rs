@@ -161,23 +161,20 @@ impl Study<'_> {
     /// A model with the further values of its last effect's shape; `None` where these explain nothing.
     pub(super) fn with_shape(&self, current: &Explained) -> Option<Explained> {
         let &effect = current.effects.last()?;
-        let setting = &current.fitted.setting;
+        let mut richer = current.clone();
+        let setting = &mut richer.fitted.setting;
+        let terms = ALL[effect].further_terms(self.case, setting, &self.scales);
         let is_new = |unknown: &Unknown| current.added.iter().all(|u| u.quantity != unknown.quantity);
-        let mut terms = ALL[effect].further_terms(self.case, setting, &self.scales);
-        terms.retain(is_new);
-        let in_law = shaped(effect, &setting.law, &current.added, &self.scales);
-        let beside = (!terms.is_empty()).then_some((setting.law, terms));
-        let richer = in_law.chain(beside).filter_map(|(law, brought)| {
-            let mut richer = current.clone();
-            richer.fitted.setting.law = law;
-            if let Some(count) = richer.counts.last_mut() {
-                *count += brought.len();
-            }
-            richer.added.extend(brought);
-            self.polished(&richer).ok()
-        });
-        let best = richer.min_by(|a, b| a.criterion.total_cmp(&b.criterion));
-        best.filter(|better| better.criterion + EVIDENCE < current.criterion)
+        let mut brought = shaped(effect, &mut setting.law, &current.added, &self.scales);
+        brought.extend(terms.into_iter().filter(is_new));
+        if brought.is_empty() {
+            return None;
+        }
+        richer.added.extend(brought);
+        if let Some(count) = richer.counts.last_mut() {
+            *count += richer.added.len() - current.added.len();
+        }
+        self.polished(&richer).ok().filter(|better| better.criterion + EVIDENCE < current.criterion)
     }
 }
 

@@ -201,10 +201,6 @@ impl<T: Scalar> ModifiedLaw<T> {
                 let sharpness = self.at(Hook::PeriodicSharpness);
                 wave = size * (sharpness * wave / size).asin() / sharpness.asin();
             }
-            if self.on(Hook::PeriodicSteepness) && size.re() > 0.0 {
-                let steepness = self.at(Hook::PeriodicSteepness);
-                wave = size * (steepness * wave / size).tanh() / steepness.tanh();
-            }
             factor += wave;
             if self.on(Hook::PeriodicSine2) {
                 let (sine2, cosine2) = (sine * cosine * 2.0, cosine * cosine * 2.0 - 1.0);
