@@ -262,6 +262,13 @@ fn simulated_runs(rig: &Rig) -> Vec<(&RigRuns, SimulatedRun)> {
         let runs: &RigRuns = runs;
         let progress = index as f64 / last;
         let omega = TAU * runs.frequency_hz;
+        let wave = |[share, ratio, phase]: [f64; 3], [shape, skewness]: [f64; 2]| Modulation {
+            share,
+            shape,
+            skewness,
+            omega: ratio * omega,
+            phase,
+        };
         let mut run = SimulatedRun {
             force_amplitude,
             beat: runs.beat(),
@@ -277,23 +284,13 @@ fn simulated_runs(rig: &Rig) -> Vec<(&RigRuns, SimulatedRun)> {
                     run.frequency_factor += relative_change * progress
                 }
                 Effect::PreloadModulation { share, frequency_ratio, phase_rad } => {
-                    run.modulation = Some(Modulation {
-                        share,
-                        shape: 0.0,
-                        skewness: 0.0,
-                        omega: frequency_ratio * omega,
-                        phase: phase_rad,
-                    });
+                    run.modulation = Some(wave([share, frequency_ratio, phase_rad], [0.0; 2]));
                 }
                 Effect::SquareModulation { share, frequency_ratio, phase_rad } => {
-                    let omega = frequency_ratio * omega;
-                    run.modulation =
-                        Some(Modulation { share, shape: SQUARENESS, skewness: 0.0, omega, phase: phase_rad });
+                    run.modulation = Some(wave([share, frequency_ratio, phase_rad], [SQUARENESS, 0.0]));
                 }
                 Effect::SkewedModulation { share, frequency_ratio, phase_rad } => {
-                    let omega = frequency_ratio * omega;
-                    run.modulation =
-                        Some(Modulation { share, shape: 0.0, skewness: SKEWNESS, omega, phase: phase_rad });
+                    run.modulation = Some(wave([share, frequency_ratio, phase_rad], [0.0, SKEWNESS]));
                 }
                 Effect::SettlingDrift { relative_change } => {
                     run.frequency_factor +=

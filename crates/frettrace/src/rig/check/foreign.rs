@@ -8,6 +8,7 @@ const LENGTH: [f64; 2] = [1e-9, 1.0];
 const POWER: [f64; 2] = [0.1, 10.0];
 const SHARE: [f64; 2] = [-0.95, 0.95];
 const FORCE: [f64; 2] = [0.0, 1e9];
+const REFERENCE: [f64; 2] = [1e-3, 1e6];
 const ACCELERATION: [f64; 2] = [1e-6, 1e6];
 
 /// Keys of an effect with their values and ranges.
@@ -22,6 +23,9 @@ pub(super) fn ranges(rig: &Rig, effect: &Effect) -> Vec<(&'static str, f64, [f64
             list.push(("time_s", time_s, TIME));
             list
         }
+        Effect::EyringViscous { force_n, velocity_m_per_s } => {
+            vec![("force_n", force_n, FORCE), ("velocity_m_per_s", velocity_m_per_s, VELOCITY)]
+        }
         Effect::PowerViscous { force_at_1_m_per_s_n, power } => {
             vec![("force_at_1_m_per_s_n", force_at_1_m_per_s_n, FORCE), ("power", power, POWER)]
         }
@@ -34,58 +38,41 @@ pub(super) fn ranges(rig: &Rig, effect: &Effect) -> Vec<(&'static str, f64, [f64
         Effect::SaturatingAgeing { gain, distance_m, time_s } => {
             vec![("gain", gain, [0.0, 5.0]), ("distance_m", distance_m, LENGTH), ("time_s", time_s, TIME)]
         }
-        Effect::SmoothAsymmetry { share, velocity_m_per_s } => {
-            vec![("share", share, SHARE), ("velocity_m_per_s", velocity_m_per_s, VELOCITY)]
-        }
-        Effect::StraightBreakaway { breakaway } => vec![("breakaway", breakaway, [0.0, 0.99])],
-        Effect::PowerBristle { power } => vec![("power", power, POWER)],
-        Effect::RationalDamping { sigma1_s_per_m, v_d_m_per_s } => {
-            vec![("sigma1_s_per_m", sigma1_s_per_m, FORCE), ("v_d_m_per_s", v_d_m_per_s, VELOCITY)]
-        }
-        Effect::SaturatingPosition { share, distance_m } => {
-            vec![("share", share, SHARE), ("distance_m", distance_m, LENGTH)]
-        }
-        Effect::TrianglePosition { share, wavelength_m } => {
-            vec![("share", share, SHARE), ("wavelength_m", wavelength_m, LENGTH)]
-        }
-        Effect::StraightNormalDependence { slope, reference_n } => {
-            vec![("slope", slope, [-2.0, 2.0]), ("reference_n", reference_n, [1e-3, 1e6])]
-        }
-        Effect::SettlingWear { relative_change } | Effect::SettlingDrift { relative_change } => {
-            vec![("relative_change", relative_change, super::SMALL_CHANGE)]
-        }
-        _ => third_of_friction(effect).unwrap_or_else(|| beyond_friction(rig, effect)),
-    }
-}
-
-fn third_of_friction(effect: &Effect) -> Option<Vec<(&'static str, f64, [f64; 2])>> {
-    Some(match *effect {
-        Effect::EyringViscous { force_n, velocity_m_per_s } => {
-            vec![("force_n", force_n, FORCE), ("velocity_m_per_s", velocity_m_per_s, VELOCITY)]
-        }
         Effect::PowerAgeing { gain, distance_m, time_s, power } => vec![
             ("gain", gain, [0.0, 5.0]),
             ("distance_m", distance_m, LENGTH),
             ("time_s", time_s, TIME),
             ("power", power, [0.01, 1.0]),
         ],
-        Effect::ExponentialDamping { sigma1_s_per_m, v_d_m_per_s } => {
+        Effect::SmoothAsymmetry { share, velocity_m_per_s } => {
+            vec![("share", share, SHARE), ("velocity_m_per_s", velocity_m_per_s, VELOCITY)]
+        }
+        Effect::StraightBreakaway { breakaway } => vec![("breakaway", breakaway, [0.0, 0.99])],
+        Effect::PowerBristle { power } => vec![("power", power, POWER)],
+        Effect::RationalDamping { sigma1_s_per_m, v_d_m_per_s }
+        | Effect::ExponentialDamping { sigma1_s_per_m, v_d_m_per_s } => {
             vec![("sigma1_s_per_m", sigma1_s_per_m, FORCE), ("v_d_m_per_s", v_d_m_per_s, VELOCITY)]
         }
-        Effect::ParabolicPosition { share, distance_m } => {
+        Effect::SaturatingPosition { share, distance_m }
+        | Effect::ParabolicPosition { share, distance_m } => {
             vec![("share", share, SHARE), ("distance_m", distance_m, LENGTH)]
         }
-        Effect::SquarePosition { share, wavelength_m } => {
+        Effect::TrianglePosition { share, wavelength_m } | Effect::SquarePosition { share, wavelength_m } => {
             vec![("share", share, SHARE), ("wavelength_m", wavelength_m, LENGTH)]
         }
         Effect::Adhesion { share, reference_n } => {
-            vec![("share", share, SHARE), ("reference_n", reference_n, [1e-3, 1e6])]
+            vec![("share", share, SHARE), ("reference_n", reference_n, REFERENCE)]
         }
-        Effect::RootWear { relative_change } => {
+        Effect::StraightNormalDependence { slope, reference_n } => {
+            vec![("slope", slope, [-2.0, 2.0]), ("reference_n", reference_n, REFERENCE)]
+        }
+        Effect::SettlingWear { relative_change }
+        | Effect::RootWear { relative_change }
+        | Effect::SettlingDrift { relative_change } => {
             vec![("relative_change", relative_change, super::SMALL_CHANGE)]
         }
-        _ => return None,
-    })
+        _ => beyond_friction(rig, effect),
+    }
 }
 
 fn stribeck(mu_s: f64, velocity: f64, delta: f64) -> Vec<(&'static str, f64, [f64; 2])> {
