@@ -2,7 +2,7 @@
 
 use crate::Study;
 use crate::contact_fit::{ContactProblem, Contacts, Leeway, Moved, Recovered, mean_force, recover};
-use crate::effects::{ALL, ContactForm, Effect, apply, set_by_forms, shaped};
+use crate::effects::{ALL, Change, ContactForm, Effect, apply, freed, set_by_forms};
 use crate::law_starts::starts;
 use crate::study::{as_declared, merge};
 use crate::verdict::EVIDENCE;
@@ -202,8 +202,35 @@ impl Study<'_> {
         setting: &Setting,
         from: &ContactCandidate,
     ) -> Option<ContactCandidate> {
+        self.contact_with(recovered, setting, from, ALL[from.effect].shape(&from.law, &self.scales))
+    }
+
+    /// A candidate in the other shape of its effect, from the values it has come to without its first one; `None` where it has no other, or that explains
+    /// no more.
+    pub(crate) fn in_its_other_shape(
+        &self,
+        recovered: &Contacts,
+        setting: &Setting,
+        from: &ContactCandidate,
+    ) -> Option<ContactCandidate> {
+        let mut plain = from.clone();
+        for change in ALL[from.effect].shape(&from.law, &self.scales) {
+            plain.law.clear(change.hook);
+            plain.unknowns.retain(|unknown| unknown.quantity != Quantity::Law(change.hook));
+        }
+        self.contact_with(recovered, setting, &plain, ALL[from.effect].other_shape(&plain.law, &self.scales))
+    }
+
+    /// A candidate with further values of a law.
+    fn contact_with(
+        &self,
+        recovered: &Contacts,
+        setting: &Setting,
+        from: &ContactCandidate,
+        changes: Vec<Change>,
+    ) -> Option<ContactCandidate> {
         let mut begun = from.clone();
-        let brought = shaped(from.effect, &mut begun.law, &from.unknowns, &self.scales);
+        let brought = freed(changes, &mut begun.law, &from.unknowns);
         if brought.is_empty() {
             return None;
         }

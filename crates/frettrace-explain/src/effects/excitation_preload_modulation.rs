@@ -1,12 +1,13 @@
 //! `excitation.preload-modulation`.
 //!
-//! *Adds*: a preload that varies with the excitation or its second or third harmonic, as a sine or as a steeper wave `tanh(κ cos ψ)/tanh κ`.
+//! *Adds*: a preload that varies with the excitation or its second or third harmonic, as a sine, as a steeper wave
+//! `tanh(κ cos ψ)/tanh κ`, or with harmonics of its own up to the fourth.
 //!
 //! *Shows as*: friction that follows a normal force of its own.
 //!
 //! *Mistaken for*: `friction.normal-dependence`, `contact.normal-stiffening`; told apart by a load cell under the support.
 
-use super::{Change, ContactForm, Effect, EffectPlace};
+use super::{Change, ContactForm, Effect, EffectPlace, known};
 use crate::Scales;
 use frettrace_forward::accelerations::FrequencyRatio;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
@@ -48,5 +49,22 @@ impl Effect for ExcitationPreloadModulation {
                 [sine, steep].map(|changes| ContactForm { changes, modulation })
             })
             .collect()
+    }
+
+    /// Harmonics of its own: a wave that is neither a sine nor alike in both halves.
+    fn other_shape(&self, law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {
+        if !known(law, &[Hook::ModulationCosine]) {
+            return Vec::new();
+        }
+        [
+            Hook::ModulationCosine2,
+            Hook::ModulationSine2,
+            Hook::ModulationCosine3,
+            Hook::ModulationSine3,
+            Hook::ModulationCosine4,
+            Hook::ModulationSine4,
+        ]
+        .map(|hook| Change::linear(hook, 0.0, 0.05, (-1.5, 1.5)))
+        .into()
     }
 }

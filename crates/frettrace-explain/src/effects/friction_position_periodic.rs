@@ -1,13 +1,13 @@
 //! `friction.position-periodic`.
 //!
-//! *Adds*: a friction coefficient periodic in slip, `μ(1 + Σ_k c_k cos kqu + s_k sin kqu)`, up to the third harmonic and as sharp as a triangle where
-//! the data ask for it; or a force `N(c cos qu + s sin qu)`, whichever way the contact moves.
+//! *Adds*: a friction coefficient periodic in slip, `μ(1 + Σ_k c_k cos kqu + s_k sin kqu)`, up to the third harmonic and as sharp as a triangle, or as
+//! steep as a square, where the data ask for it; or a force `N(c cos qu + s sin qu)`, whichever way the contact moves.
 //!
 //! *Shows as*: ripples of the sliding branches at fixed positions.
 //!
 //! *Mistaken for*: `friction.position`; told apart by strokes of several lengths over the same track: the wave length stays, the harmonics move.
 
-use super::{Change, ContactForm, Effect, EffectPlace, Reach, Simpler};
+use super::{Change, ContactForm, Effect, EffectPlace, Reach, Simpler, known};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 
@@ -54,6 +54,18 @@ impl Effect for FrictionPositionPeriodic {
             .collect()
     }
 
+    /// A wave that jumps from one level to the other, as grooves make it.
+    fn other_shape(&self, law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {
+        if !known(law, &[Hook::PeriodicCosine]) {
+            return Vec::new();
+        }
+        // Between an arc tangent's corner and a sharp one.
+        vec![
+            Change::between(Hook::PeriodicSteepness, 1.5, (0.05, 50.0)),
+            Change::between(Hook::PeriodicCorner, 2.0, (0.7, 8.0)),
+        ]
+    }
+
     /// A part of a wave, `c cos qu + s sin qu`, is a change along the path: its series up to `(qu)³`, or a change that ends at `1/q`.
     fn simpler(&self, law: &ModifiedLaw<f64>) -> Vec<Simpler> {
         if law.get(Hook::PeriodicCosine).is_none() {
@@ -83,7 +95,7 @@ impl Effect for FrictionPositionPeriodic {
 }
 
 /// What a wave along the path brings to a law.
-const OWN: [Hook; 8] = [
+const OWN: [Hook; 10] = [
     Hook::PeriodicCosine,
     Hook::PeriodicSine,
     Hook::PeriodicNumber,
@@ -92,6 +104,8 @@ const OWN: [Hook; 8] = [
     Hook::PeriodicCosine3,
     Hook::PeriodicSine3,
     Hook::PeriodicSharpness,
+    Hook::PeriodicSteepness,
+    Hook::PeriodicCorner,
 ];
 
 #[cfg(test)]

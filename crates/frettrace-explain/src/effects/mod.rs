@@ -120,12 +120,26 @@ pub(crate) fn shaped(
     known: &[Unknown],
     scales: &Scales,
 ) -> Vec<Unknown> {
-    let mut shape = ALL[effect].shape(law, scales);
-    shape.retain(|change| known.iter().all(|u| u.quantity != Quantity::Law(change.hook)));
-    for change in &mut shape {
+    freed(ALL[effect].shape(law, scales), law, known)
+}
+
+/// The same of any values.
+pub(crate) fn freed(mut changes: Vec<Change>, law: &mut ModifiedLaw<f64>, known: &[Unknown]) -> Vec<Unknown> {
+    changes.retain(|change| known.iter().all(|u| u.quantity != Quantity::Law(change.hook)));
+    for change in &mut changes {
         change.start = law.get(change.hook).unwrap_or(change.start);
     }
-    apply(&shape, law)
+    apply(&changes, law)
+}
+
+/// Whether an effect has another shape in a law than that of its forms.
+pub(crate) fn has_other_shape(effect: usize, law: &ModifiedLaw<f64>, scales: &Scales) -> bool {
+    let within = |form: &ContactForm| {
+        let mut with = *law;
+        apply(&form.changes, &mut with);
+        !ALL[effect].other_shape(&with, scales).is_empty()
+    };
+    ALL[effect].contact_forms(law, scales).iter().any(within)
 }
 
 /// Hooks that forms of an effect set and leave as they are: which formula it is.
@@ -205,6 +219,12 @@ pub(crate) trait Effect: Sync {
 
     /// Further values of the shape it has in a law, from those that add nothing, for data that its forms do not satisfy.
     fn shape(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {
+        Vec::new()
+    }
+
+    /// Values of another shape that it may have in a law, which could stand in for what a simpler effect or another law does: asked for where nothing
+    /// else explains.
+    fn other_shape(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {
         Vec::new()
     }
 

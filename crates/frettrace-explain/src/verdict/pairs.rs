@@ -10,10 +10,10 @@
 //! Where both act in the contact, what is said of the balance is said of the recovered contacts: they know of no other run and no structure.
 
 use super::contact_rounds::Recovered;
-use super::{BALANCE_CLOSED, EVIDENCE, Rival, Search, Tried, least_excess};
+use super::{BALANCE_CLOSED, EVIDENCE, FORETOLD, Rival, Search, Tried, least_excess};
 use crate::balance_fit::BalanceCandidate;
 use crate::contact_search::ContactCandidate;
-use crate::effects::ALL;
+use crate::effects::{ALL, has_other_shape};
 use crate::search::{DOMINANT, Explained};
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::Setting;
@@ -49,12 +49,39 @@ impl Search<'_> {
         let stands = is_dominant(declared, single);
         match self.told_by_the_balance(declared, stands)? {
             None if !stands => {}
+            None => return self.or_as_before(|search| search.in_another_shape(declared)),
             found => return Ok(found),
         }
         match self.or_as_before(|search| search.beside_a_hidden_one(declared, single))? {
-            None => self.or_as_before(|search| search.in_the_contact(declared)),
+            None => {}
+            found => return Ok(found),
+        }
+        match self.or_as_before(|search| search.in_the_contact(declared))? {
+            None => self.or_as_before(|search| search.in_another_shape(declared)),
             found => Ok(found),
         }
+    }
+
+    /// A single effect in a shape that could stand in for others, where it is all that explains.
+    fn in_another_shape(&mut self, declared: &Explained) -> Result<Option<Explained>, ExplainError> {
+        if self.is_open(declared) {
+            return Ok(None);
+        }
+        let Recovered { contacts, setting, law, reduced, .. } = self.recovered(declared)?;
+        let study = &self.study;
+        let others: Vec<usize> =
+            (0..ALL.len()).filter(|&e| !has_other_shape(e, &setting.law, &study.scales)).collect();
+        let forms = study.contact_candidates((&contacts, false), &setting, &law, (&others, reduced));
+        let forms: Vec<ContactCandidate> =
+            forms.iter().filter_map(|from| study.in_its_other_shape(&contacts, &setting, from)).collect();
+        let asked = forms
+            .par_iter()
+            .flat_map_iter(|form| study.contact_round(declared, std::slice::from_ref(form)))
+            .collect();
+        let found = self.answered(asked);
+        let Some(best) = self.take_best(declared, found) else { return Ok(None) };
+        let best = self.further(best, declared.excess());
+        Ok(Some(best).filter(|best| best.complete() && self.held_out_ratio(best) <= FORETOLD))
     }
 
     /// What is found; where nothing is, the search is as it was before.

@@ -201,6 +201,13 @@ impl<T: Scalar> ModifiedLaw<T> {
                 let sharpness = self.at(Hook::PeriodicSharpness);
                 wave = size * (sharpness * wave / size).asin() / sharpness.asin();
             }
+            if self.on(Hook::PeriodicSteepness) && size.re() > 0.0 {
+                let steepness = self.at(Hook::PeriodicSteepness);
+                let corner =
+                    if self.on(Hook::PeriodicCorner) { self.at(Hook::PeriodicCorner) } else { T::from(2.0) };
+                let level = |x: T| ended(x, x.abs(), corner);
+                wave = size * level(steepness * wave / size) / level(steepness);
+            }
             factor += wave;
             if self.on(Hook::PeriodicSine2) {
                 let (sine2, cosine2) = (sine * cosine * 2.0, cosine * cosine * 2.0 - 1.0);

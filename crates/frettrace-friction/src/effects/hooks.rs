@@ -1,7 +1,7 @@
 //! The parameters of the modified law.
 
 /// Number of hooks.
-pub const HOOKS: usize = 80;
+pub const HOOKS: usize = 88;
 
 /// A parameter of [`ModifiedLaw`](super::ModifiedLaw): those of the declared laws first, then those of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -166,6 +166,23 @@ pub enum Hook {
     ViscousTurn,
     /// Power `p` of an ageing, `((1 + age/time)^p − 1)/p` in place of the logarithm, which is `p = 0`; below 0 it ends.
     AgeingPower,
+    /// Steepness `κ` of the periodic change with slip, `g(κ w)/g(κ)` of its wave `w` with `g(x) = x/(1 + |x|^m)^{1/m}`: a square wave in the end.
+    PeriodicSteepness,
+    /// Corner `m` between its slopes and its levels: near 1 it is as round as an arc tangent's, near 2 as a hyperbolic tangent's, and sharp in the end;
+    /// 2 where it is not given.
+    PeriodicCorner,
+    /// Second harmonic of the modulation of the preload: cosine share.
+    ModulationCosine2,
+    /// The same, sine share.
+    ModulationSine2,
+    /// Third harmonic of the modulation of the preload: cosine share.
+    ModulationCosine3,
+    /// The same, sine share.
+    ModulationSine3,
+    /// Fourth harmonic of the modulation of the preload: cosine share.
+    ModulationCosine4,
+    /// The same, sine share.
+    ModulationSine4,
     /// Power `p` of the fading of the presliding damping, `exp(−|v/v_d|^p)` and `1/(1 + |v/v_d|^p)`; 2 is the plain one.
     DampingPower,
     /// Bend `q` of the Stribeck curve, `(1 + (q − 1) x^δ)₊^{−1/(q − 1)}` (Tsallis' exponential) in place of exponential and rational decay: 1 is the
@@ -254,6 +271,14 @@ impl Hook {
         Self::ViscousCore,
         Self::ViscousTurn,
         Self::AgeingPower,
+        Self::PeriodicSteepness,
+        Self::PeriodicCorner,
+        Self::ModulationCosine2,
+        Self::ModulationSine2,
+        Self::ModulationCosine3,
+        Self::ModulationSine3,
+        Self::ModulationCosine4,
+        Self::ModulationSine4,
         Self::DampingPower,
         Self::StribeckBend,
     ];
@@ -297,7 +322,13 @@ impl Hook {
             | Self::BristleAsymmetry
             | Self::ShoulderStiffness
             | Self::ModulationCosine
-            | Self::ModulationSine => Some(0.0),
+            | Self::ModulationSine
+            | Self::ModulationCosine2
+            | Self::ModulationSine2
+            | Self::ModulationCosine3
+            | Self::ModulationSine3
+            | Self::ModulationCosine4
+            | Self::ModulationSine4 => Some(0.0),
             _ => None,
         }
     }
@@ -384,6 +415,14 @@ impl Hook {
             Self::ViscousCore => ("viscous_core", "1"),
             Self::ViscousTurn => ("viscous_turn", "1"),
             Self::AgeingPower => ("ageing_power", "1"),
+            Self::PeriodicSteepness => ("periodic_steepness", "1"),
+            Self::PeriodicCorner => ("periodic_corner", "1"),
+            Self::ModulationCosine2 => ("modulation_cosine_2", "1"),
+            Self::ModulationSine2 => ("modulation_sine_2", "1"),
+            Self::ModulationCosine3 => ("modulation_cosine_3", "1"),
+            Self::ModulationSine3 => ("modulation_sine_3", "1"),
+            Self::ModulationCosine4 => ("modulation_cosine_4", "1"),
+            Self::ModulationSine4 => ("modulation_sine_4", "1"),
             Self::DampingPower => ("damping_power", "1"),
             Self::StribeckBend => ("stribeck_bend", "1"),
         }

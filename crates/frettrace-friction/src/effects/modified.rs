@@ -220,6 +220,14 @@ impl<T: Scalar> ModifiedLaw<T> {
             let size = (cosine * cosine + sine * sine).sqrt();
             share = size * (steepness * share / size).tanh() / steepness.tanh();
         }
+        if self.on(Hook::ModulationCosine2) {
+            let [c2, s2] = [c * c - s * s, 2.0 * s * c];
+            let [c3, s3] = [c2 * c - s2 * s, s2 * c + c2 * s];
+            let [c4, s4] = [c2 * c2 - s2 * s2, 2.0 * s2 * c2];
+            share += self.at(Hook::ModulationCosine2) * c2 + self.at(Hook::ModulationSine2) * s2;
+            share += self.at(Hook::ModulationCosine3) * c3 + self.at(Hook::ModulationSine3) * s3;
+            share += self.at(Hook::ModulationCosine4) * c4 + self.at(Hook::ModulationSine4) * s4;
+        }
         normal + share * preload
     }
 

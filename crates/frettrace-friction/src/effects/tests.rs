@@ -120,6 +120,12 @@ fn neutral_shapes_change_nothing() {
             1e-12,
         ),
         (
+            vec![(Hook::PeriodicCosine, 0.2), (Hook::PeriodicSine, 0.1), (Hook::PeriodicNumber, 9.0)],
+            Hook::PeriodicSteepness,
+            1e-5,
+            1e-9,
+        ),
+        (
             vec![(Hook::StribeckRise, 0.2), (Hook::StribeckVelocity, 0.5), (Hook::StribeckExponent, 1.3)],
             Hook::StribeckBend,
             1.0,
@@ -189,13 +195,16 @@ fn neutral_shapes_change_nothing() {
 }
 
 /// What these shapes are for. Sliding at a steady speed, Dahl's force at its limit of 0.4 N beside the viscous one: `c·v·(y^q + c₀^q)^{(p−1)/q}` with
-/// `p = 0`, `q = 1`, `v₀ = 1` is `v/(|v| + c₀)`, a film that saturates.
+/// `p = 0`, `q = 1`, `v₀ = 1` is `v/(|v| + c₀)`, a film that saturates. A steep wave is a square one. The harmonics of a modulation are its Fourier
+/// series, here at the phase `ψ` with `cos ψ = 3/5`, `sin ψ = 4/5`: `cos 2ψ = −7/25`, `sin 2ψ = 24/25`, `cos 3ψ = −117/125`, `sin 3ψ = 44/125`,
+/// `cos 4ψ = −527/625`, `sin 4ψ = −336/625`.
 #[test]
 fn other_shapes_are_their_formulas() {
     let slide = |hooks: &[(Hook, f64)], slip: f64| {
         let mut law: ModifiedLaw<f64> = ModifiedLaw::dahl(1e6, 0.4);
         hooks.iter().for_each(|(hook, value)| law.set(*hook, *value));
-        let circumstance = Circumstance { preload: 1.0, ..Circumstance::default() };
+        let phase = [[0.6, 0.8]; 2];
+        let circumstance = Circumstance { preload: 1.0, phase, ..Circumstance::default() };
         let step = Step { slip: [slip - 0.01, slip], velocity: [0.7; 2], normal: [1.0; 2], dt: 0.01 / 0.7 };
         law.advance(law.rest_at(slip - 0.01), &step, &circumstance).1
     };
@@ -207,6 +216,16 @@ fn other_shapes_are_their_formulas() {
         (Hook::ViscousTurn, 1.0),
     ];
     assert!((slide(&saturating, 0.3) - 0.4 - 0.2 * 0.7 / (0.7 + 0.3)).abs() < 1e-6);
+    let square = [
+        (Hook::PeriodicCosine, 0.0),
+        (Hook::PeriodicSine, 0.1),
+        (Hook::PeriodicNumber, 9.0),
+        (Hook::PeriodicSteepness, 50.0),
+        (Hook::PeriodicCorner, 8.0),
+    ];
+    for (slip, sign) in [(0.1, 1.0), (0.45, -1.0)] {
+        assert!((slide(&square, slip) - 0.4 * (1.0 + 0.1 * sign)).abs() < 1e-6, "{slip}");
+    }
     // Straight from 0.6 at rest to 0.4 at a speed of 1, and nothing beyond.
     let straight = |velocity| {
         [
@@ -218,6 +237,21 @@ fn other_shapes_are_their_formulas() {
     };
     assert!((slide(&straight(1.0), 0.3) - 0.4 - 0.2 * 0.3).abs() < 1e-6);
     assert!((slide(&straight(0.5), 0.3) - 0.4).abs() < 1e-9);
+    let wave = [
+        (Hook::ModulationCosine, 0.1),
+        (Hook::ModulationSine, 0.2),
+        (Hook::ModulationCosine2, 0.05),
+        (Hook::ModulationSine2, 0.02),
+        (Hook::ModulationCosine3, -0.03),
+        (Hook::ModulationSine3, 0.04),
+        (Hook::ModulationCosine4, 0.01),
+        (Hook::ModulationSine4, 0.03),
+    ];
+    let expected =
+        0.06 + 0.16 - 0.05 * 7.0 / 25.0 + 0.02 * 24.0 / 25.0 + 0.03 * 117.0 / 125.0 + 0.04 * 44.0 / 125.0
+            - 0.01 * 527.0 / 625.0
+            - 0.03 * 336.0 / 625.0;
+    assert!((slide(&wave, 0.3) - 0.4 * (1.0 + expected)).abs() < 1e-6);
 }
 
 /// At rest the curve is 1, and the distance `x = 1 − m` of a lag of bounded rate falls as `ln x + κx = ln x₀ + κx₀ − t/τ`
@@ -427,6 +461,29 @@ fn zoo() -> Vec<ModifiedLaw<f64>> {
                 (Hook::ModulationCosine, 0.2),
                 (Hook::ModulationSine, -0.1),
                 (Hook::ModulationSteepness, 2.0),
+            ],
+        ),
+        (
+            dahl,
+            vec![
+                (Hook::PeriodicCosine, 0.2),
+                (Hook::PeriodicSine, 0.1),
+                (Hook::PeriodicNumber, 9.0),
+                (Hook::PeriodicSteepness, 3.0),
+                (Hook::PeriodicCorner, 1.3),
+            ],
+        ),
+        (
+            dahl,
+            vec![
+                (Hook::ModulationCosine, 0.2),
+                (Hook::ModulationSine, -0.1),
+                (Hook::ModulationCosine2, 0.05),
+                (Hook::ModulationSine2, 0.02),
+                (Hook::ModulationCosine3, -0.03),
+                (Hook::ModulationSine3, 0.04),
+                (Hook::ModulationCosine4, 0.01),
+                (Hook::ModulationSine4, 0.03),
             ],
         ),
         (
