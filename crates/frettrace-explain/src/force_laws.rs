@@ -1,6 +1,6 @@
 //! Laws of a recovered force: line by line against what they answer to the recovered motion.
 
-use frettrace_forward::accelerations::{Balance, COEFFICIENTS, PortLaw, PortPlace, settled_mean};
+use frettrace_forward::accelerations::{Balance, COEFFICIENTS, PortLaw, PortPlace, SHARP, settled_mean};
 use frettrace_fourier::Grid;
 use num_complex::Complex64;
 
@@ -26,7 +26,7 @@ pub(crate) struct Shape {
     pub free: &'static [usize],
     /// Coefficients that enter linearly.
     linear: &'static [usize],
-    /// The side of a stop.
+    /// The side of a stop, and the length of its corner.
     side: f64,
 }
 
@@ -50,10 +50,10 @@ pub(crate) fn shapes(place: PortPlace) -> Vec<Shape> {
                 polynomial("structure.second-support", &[0, 1]),
                 polynomial("structure.second-support", &[0, 1, 2]),
                 support(PortLaw::Gap, &[0, 1, 2], &[0, 2], 0.0),
-                support(PortLaw::Stop, &[0, 1, 2], &[0, 2], 1.0),
-                support(PortLaw::Stop, &[0, 1, 2], &[0, 2], -1.0),
-                support(PortLaw::Round, &[0, 1], &[0], 1.0),
-                support(PortLaw::Round, &[0, 1], &[0], -1.0),
+                support(PortLaw::Stop, &[0, 1, 2], &[0, 2], SHARP),
+                support(PortLaw::Stop, &[0, 1, 2], &[0, 2], -SHARP),
+                support(PortLaw::Round, &[0, 1], &[0], SHARP),
+                support(PortLaw::Round, &[0, 1], &[0], -SHARP),
                 support(PortLaw::Friction, &[0, 1, 2], &[0, 2], 0.0),
             ])
             .collect(),
@@ -103,8 +103,8 @@ pub(crate) fn names(law: PortLaw, modal: bool) -> [(&'static str, &'static str);
             [("friction_force", "N"), ("transition_velocity", "m/s"), ("stiffness", "N/m"), NONE]
         }
         (PortLaw::LiftOff, _) => [("stiffness", "N/m"), ("preload", "N"), NONE, NONE],
-        (PortLaw::Gap | PortLaw::Stop, _) => {
-            [("stiffness", "N/m"), ("gap", "m"), ("damping", "N·s/m"), ("side", "1")]
+        (PortLaw::Gap | PortLaw::Stop | PortLaw::Rough, _) => {
+            [("stiffness", "N/m"), ("gap", "m"), ("damping", "N·s/m"), ("corner", "m")]
         }
     }
 }

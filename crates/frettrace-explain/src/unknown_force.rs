@@ -488,7 +488,7 @@ impl Study<'_> {
             .map(|&k| {
                 let value = port.coefficients[k];
                 let (name, unit) = names(port.law, modal)[k];
-                let bounds = range(port.law, k, thresholds);
+                let bounds = range(port.law, (k, value), thresholds);
                 signed(Quantity::Port(index, k), (name, unit), 0.1 * value.abs(), bounds)
             })
             .collect();

@@ -4,7 +4,7 @@
 
 use frettrace_beam::{Boundary, Dof, ModalModel, ModalOptions, UniformBeam};
 use frettrace_forward::accelerations::{
-    AccelerationModel, Port, PortLaw, PortPlace, Prediction, Quantity, Rig, RunLines, Setting,
+    AccelerationModel, Port, PortLaw, PortPlace, Prediction, Quantity, Rig, RunLines, SHARP, Setting,
 };
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 use num_complex::Complex64;
@@ -228,7 +228,7 @@ fn a_stop_feels_where_friction_holds_the_beam() {
     let model = model();
     let stop = |gap: f64, rests: Vec<f64>| {
         let place = PortPlace::At(0.31);
-        let port = Port { place, law: PortLaw::Stop, coefficients: [2e5, gap, 5.0, 1.0] };
+        let port = Port { place, law: PortLaw::Stop, coefficients: [2e5, gap, 5.0, SHARP] };
         Setting { ports: vec![port], rests: (0, rests), ..setting() }
     };
     let predict = |setting: &Setting| model.predict(setting, &[0, 1], &mut model.memory()).unwrap();

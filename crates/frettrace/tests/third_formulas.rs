@@ -9,13 +9,15 @@ use std::path::Path;
 
 const RIG: &str = include_str!("../../../data/demo/rig.toml");
 
-/// The name is the claim, and not the formula: a viscous force that follows the inverse hyperbolic sine of the speed (Eyring), a channel with two slow stages.
+/// The name is the claim, and not the formula: a viscous force that follows the inverse hyperbolic sine of the speed (Eyring), a channel with two slow stages,
+/// a stop along the beam that touches softly.
 #[test]
 fn another_laboratorys_formula_has_the_effects_name() {
     let quiet = Progress::silent();
     for effect in [
         "friction.viscous/eyring\"\nforce_n = 4.0\nvelocity_m_per_s = 0.004",
         "measurement.delay/two-low-passes\"\nsensor = 2\ntime_s = 1.3e-4",
+        "structure.second-support/smooth\"\nposition_m = 0.3\nstiffness_n_per_m = 4e4\ngap_m = 2e-5\nsmoothness_m = 1e-5",
     ] {
         let rig = RIG.split("[[effect]]").next().unwrap().to_owned() + "[[effect]]\nid = \"" + effect;
         let made = simulate(&parse_rig(&rig, Path::new("rig.toml")).unwrap(), &quiet).unwrap();

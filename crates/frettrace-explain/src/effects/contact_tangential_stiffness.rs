@@ -4,7 +4,7 @@
 //!
 //! *Shows as*: a force in phase with slip that does not saturate with the level.
 //!
-//! *Mistaken for*: `friction.exponent`, `friction.breakaway`; told apart by loops far below sliding: a spring beside the contact stays when friction is taken away.
+//! *Mistaken for*: `friction.exponent`, `friction.breakaway`, `structure.cubic-stiffness`; told apart by loops far below sliding: a spring beside the contact stays when friction is taken away.
 
 use super::{Change, ContactForm, Effect, EffectPlace};
 use crate::Scales;
@@ -22,7 +22,7 @@ impl Effect for ContactTangentialStiffness {
     }
 
     fn rivals(&self) -> &'static [&'static str] {
-        &["friction.exponent", "friction.breakaway"]
+        &["friction.exponent", "friction.breakaway", "structure.cubic-stiffness"]
     }
 
     fn experiment(&self) -> &'static str {

@@ -1,6 +1,6 @@
 //! `structure.second-support`.
 //!
-//! *Adds*: a further contact along the beam: spring, dashpot, stop, play or friction.
+//! *Adds*: a further contact along the beam: spring, dashpot, friction, or a stop or play whose corner may be round or rough.
 //!
 //! *Shows as*: a force at one place that the one contact cannot give.
 //!

@@ -2,7 +2,7 @@
 
 use super::{History, Shape};
 use crate::effects::FREE;
-use frettrace_forward::accelerations::{COEFFICIENTS, PortLaw};
+use frettrace_forward::accelerations::{COEFFICIENTS, PortLaw, SHARP};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
@@ -55,10 +55,21 @@ pub(crate) fn thresholds(histories: &[History], law: PortLaw) -> Option<(f64, f6
     })
 }
 
-/// Range of a coefficient: nothing gives energy away or pulls where it should carry.
-pub(crate) fn range(law: PortLaw, coefficient: usize, thresholds: Option<(f64, f64)>) -> (f64, f64) {
+/// Range of a coefficient about a value: nothing gives energy away or pulls where it should carry, and a corner stays on its side.
+pub(crate) fn range(
+    law: PortLaw,
+    (coefficient, value): (usize, f64),
+    thresholds: Option<(f64, f64)>,
+) -> (f64, f64) {
     match thresholds {
         Some(range) if coefficient == 1 => range,
+        _ if coefficient == 3 && law.has_corner() => {
+            if value < 0.0 {
+                (f64::NEG_INFINITY, -SHARP)
+            } else {
+                (SHARP, f64::INFINITY)
+            }
+        }
         _ if dissipates(law, coefficient) || carries(law, coefficient) => (0.0, f64::INFINITY),
         _ => FREE,
     }
@@ -181,7 +192,7 @@ pub(super) fn left_by(history: &History, law: PortLaw, at: &[f64; COEFFICIENTS])
 fn dissipates(law: PortLaw, coefficient: usize) -> bool {
     match law {
         PortLaw::Polynomial => matches!(coefficient, 1 | 3),
-        PortLaw::Gap | PortLaw::Stop => coefficient == 2,
+        PortLaw::Gap | PortLaw::Stop | PortLaw::Rough => coefficient == 2,
         PortLaw::Friction | PortLaw::Power => coefficient == 0,
         _ => false,
     }
@@ -190,7 +201,9 @@ fn dissipates(law: PortLaw, coefficient: usize) -> bool {
 /// Whether a coefficient is the stiffness of a support, which cannot be negative.
 fn carries(law: PortLaw, coefficient: usize) -> bool {
     match law {
-        PortLaw::Polynomial | PortLaw::Gap | PortLaw::Stop | PortLaw::Round => coefficient == 0,
+        PortLaw::Polynomial | PortLaw::Gap | PortLaw::Stop | PortLaw::Rough | PortLaw::Round => {
+            coefficient == 0
+        }
         PortLaw::Friction => coefficient == 2,
         _ => false,
     }

@@ -5,12 +5,13 @@ use super::finer::{MOST_TAKEN, NEAR};
 use super::{BALANCE_CALIBRATED, BALANCE_CLOSED, EVIDENCE, PROXY, Rival, Search, Tried};
 use crate::balance_fit::BalanceCandidate;
 use crate::contact_search::ContactCandidate;
-use crate::effects::{ALL, EffectPlace, listed};
+use crate::effects::{ALL, EffectPlace, StructureForm, listed};
 use crate::force_laws::{CUBIC_BELOW, thresholds};
 use crate::search::{Asked, Explained};
 use crate::study::merge;
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::{Beside, Memory, Port, PortLaw, PortPlace, Quantity, Setting};
+use frettrace_friction::effects::Hook;
 use rayon::prelude::*;
 
 /// Effects outside the contact that are re-fitted with the whole model, and how many where more of them close the balance.
@@ -23,6 +24,9 @@ const TOGETHER: usize = 60;
 /// Displacement at which a cubic spring yields, over the largest on the beam: the least, where a fit starts, and the most. One that yields below
 /// half the motion is a linear one.
 const YIELDS: [f64; 3] = [0.5, 1.5, CUBIC_BELOW];
+
+/// Share of the largest motion over which a corner is rounded where a fit of it starts.
+const CORNER: f64 = 0.2;
 
 /// Turns in which a fit and where its runs rest agree.
 const REST_ROUNDS: usize = 3;
@@ -132,14 +136,7 @@ impl Search<'_> {
             _ => return found,
         };
         let form = self.study.form(&setting, Port { law, coefficients, ..port }, (&[0, 1], range));
-        let mut other = found.clone();
-        other.fitted.setting = form.setting;
-        if let Some(count) = other.counts.last_mut() {
-            other.added.truncate(found.added.len() - *count);
-            *count = form.unknowns.len();
-        }
-        other.added.extend(form.unknowns);
-        match self.study.polished(&other) {
+        match self.study.polished(&reformed(&found, form)) {
             Ok(better) if better.criterion + EVIDENCE < found.criterion => better,
             _ => found,
         }
@@ -151,8 +148,10 @@ impl Search<'_> {
         if !model.is_single() || ALL[model.effects[0]].place() != EffectPlace::Contact {
             return model;
         }
-        // What the grid of a rigid contact may be wrong by is nothing that a name leaves.
-        if model.left().is_noise() && model.ratio <= LEFT || self.is_of_grid(&model) {
+        // A cubic spring beside the contact does nearly what one at the beam does. What the grid of a rigid contact may be wrong by is nothing that a
+        // name leaves.
+        let hardens = model.added.iter().any(|u| u.quantity == Quantity::Law(Hook::ParallelCubic));
+        if model.left().is_noise() && model.ratio <= LEFT && !hardens || self.is_of_grid(&model) {
             return model;
         }
         let (case, setting) = (self.study.case, self.declared_start(baseline));
@@ -162,14 +161,27 @@ impl Search<'_> {
         };
         let rivals: Vec<usize> =
             ALL[model.effects[0]].rivals().iter().filter_map(|id| listed(id)).filter(outside).collect();
-        let candidates = rivals.into_iter().flat_map(|effect| {
+        if rivals.is_empty() {
+            return model;
+        }
+        let forms = rivals.iter().flat_map(|&effect| {
             let forms = ALL[effect].structure_forms(case, &setting, &self.study.scales);
             forms.into_iter().map(move |form| BalanceCandidate::unfitted(effect, form, baseline.criterion))
         });
-        let candidates: Vec<BalanceCandidate> = candidates.collect();
+        // What the balance of many sensors locates without a law has no forms of its own.
+        let tangents = self.study.tangent_candidates(baseline).into_iter();
+        let located = tangents.filter(|candidate| rivals.contains(&candidate.effect));
+        let candidates: Vec<BalanceCandidate> = forms.chain(located).collect();
         let asked = candidates.par_iter().map(|candidate| self.asked(baseline, candidate)).collect();
         let found = self.answered(asked).into_iter().filter(Explained::complete);
         let Some(mut other) = found.min_by(|a, b| a.criterion.total_cmp(&b.criterion)) else { return model };
+        // Neither may be named for a longer fit than the other's.
+        if let Ok(better) = self.study.polished(&other)
+            && better.criterion < other.criterion
+        {
+            other = better;
+        }
+        other = self.with_formula(other);
         other.book(baseline);
         let behind = other.criterion - model.criterion;
         let error = self.study.error(&other.fitted, &self.study.training).relative();
@@ -248,7 +260,53 @@ impl Search<'_> {
             .map(|(_, candidate)| self.asked(current, candidate))
             .collect();
         let found = self.answered(asked);
-        Ok(self.take_best(current, found))
+        let Some(best) = self.take_best(current, found) else { return Ok(None) };
+        let rounded = self.with_corner(&best);
+        Ok(Some(match rounded {
+            Some(rounded) => {
+                let nearer = best.criterion - rounded.criterion;
+                self.rivals.iter_mut().for_each(|rival| rival.behind += nearer);
+                rounded
+            }
+            None => best,
+        }))
+    }
+
+    /// A stop or a play along the beam with a corner of some length, where that explains better: what touches first is rough, or held softly.
+    fn with_corner(&self, found: &Explained) -> Option<Explained> {
+        let mut setting = found.fitted.setting.clone();
+        let mut port = setting.ports.pop()?;
+        // Where runs rest was read off with a corner of no length.
+        setting.rests.1.clear();
+        let [stiffness, gap, _, side] = port.coefficients;
+        if !matches!(port.place, PortPlace::At(_)) || found.left().is_noise() {
+            return None;
+        }
+        let [largest, _] = self.study.largest_motion();
+        match port.law {
+            PortLaw::Gap => port.coefficients[3] = CORNER * largest,
+            PortLaw::Stop => port.coefficients[3] = (CORNER * largest).copysign(side),
+            PortLaw::Round => {
+                // The tangent where it is pressed furthest, and where that begins.
+                let depth = (largest - gap).max(CORNER * largest);
+                let tangent = 1.5 * stiffness * depth.sqrt();
+                port.law = PortLaw::Stop;
+                port.coefficients = [tangent, gap + depth / 3.0, 0.0, (CORNER * largest).copysign(side)];
+            }
+            _ => return None,
+        }
+        let mut ports = vec![port];
+        if port.law == PortLaw::Stop {
+            port.law = PortLaw::Rough;
+            ports.push(port);
+        }
+        let fitted = ports.into_par_iter().filter_map(|port| {
+            let range = thresholds(&[], port.law);
+            let form = self.study.form(&setting, port, (&[0, 1, 2, 3], range));
+            self.study.polished(&reformed(found, form)).ok()
+        });
+        let best = fitted.min_by(|a, b| a.criterion.total_cmp(&b.criterion))?;
+        (best.criterion + EVIDENCE < found.criterion).then_some(best)
     }
 
     /// A model with a stop in which runs rest elsewhere, these and everything else in turns; `lacked` is the excess before it.
@@ -344,4 +402,16 @@ impl Search<'_> {
         found.sensors = current.sensors.iter().copied().chain([candidate.sensor]).collect();
         Ok(found)
     }
+}
+
+/// A model with its last effect in another form.
+fn reformed(found: &Explained, form: StructureForm) -> Explained {
+    let mut other = found.clone();
+    other.fitted.setting = form.setting;
+    if let Some(count) = other.counts.last_mut() {
+        other.added.truncate(found.added.len() - *count);
+        *count = form.unknowns.len();
+    }
+    other.added.extend(form.unknowns);
+    other
 }

@@ -26,7 +26,7 @@ pub use model::{
     AccelerationError, AccelerationModel, ContactHistory, Linearised, Memory, OnGrids, Prediction,
 };
 pub use phase::FrequencyRatio;
-pub use ports::{COEFFICIENTS, PortForce, PortLaw};
+pub use ports::{COEFFICIENTS, PortForce, PortLaw, SHARP};
 pub use run::RunLines;
 pub use setting::{Port, PortPlace, Quantity, Rig, SensorSetting, Setting};
 pub use solve::RunMemory;

@@ -3,20 +3,24 @@
 /// Coefficients a port may have.
 pub const COEFFICIENTS: usize = 4;
 
+/// Length (m) over which a sharp corner of a stop is rounded.
+pub const SHARP: f64 = 1e-9;
+
 /// Force law of a port as a function of the displacement `d` and velocity `ḋ` of its degree of freedom; positive
 /// values resist positive displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PortLaw {
     /// `c₀ d + c₁ ḋ + c₂ d³ + c₃ ḋ|ḋ|`.
     Polynomial,
-    /// A stop on one side: `c₀ (d − c₁)⁺ + c₂ ḋ` while in touch; the side is the sign of `c₃` (not fitted).
+    /// A stop on one side: `c₀ (d − c₁)⁺ + c₂ ḋ` while in touch, its corner rounded over `|c₃|`; the side is the sign of `c₃`, and a corner
+    /// that is one has [`SHARP`] there.
     Stop,
     /// A support spring with a damper beside it that cannot pull: `c ḋ − (k d + c ḋ − P)⁺` with `k = c₀`, `P = c₁`, `c = c₂`; the
     /// spring itself is part of the structure.
     LiftOff,
     /// `c₀ d² + c₁ d³ + c₂ d⁴ + c₃ d⁵`.
     Stiffening,
-    /// Play on both sides: `c₀ (|d| − c₁)⁺ sgn d + c₂ ḋ`.
+    /// Play on both sides: `c₀ (|d| − c₁)⁺ sgn d + c₂ ḋ` while in touch, its corners rounded over `|c₃|`.
     Gap,
     /// Coulomb friction smoothed over a displacement-free velocity: `c₀ tanh(ḋ/c₁) + c₂ d`.
     Friction,
@@ -24,6 +28,9 @@ pub enum PortLaw {
     Yielding,
     /// Damping by a power of the velocity: `c₀ |ḋ/c₂|^c₁ sgn ḋ`; the reference velocity `c₂` is not fitted.
     Power,
+    /// A stop on one side whose asperities touch one after the other, the more the nearer: `c₀ w ln(1 + e^{(d − c₁)/w}) + c₂ ḋ` while in touch,
+    /// `w = |c₃|`; the side is the sign of `c₃`.
+    Rough,
     /// A round stop on one side: `c₀ ((d − c₁)⁺)^{3/2}`; the side is the sign of `c₃` (not fitted).
     Round,
 }
@@ -51,7 +58,13 @@ impl PortLaw {
     /// Whether it answers a motion about rest with a mean force, so that it matters where the motion rests.
     #[must_use]
     pub fn one_sided(self) -> bool {
-        matches!(self, Self::Stop | Self::Round)
+        matches!(self, Self::Stop | Self::Rough | Self::Round)
+    }
+
+    /// Whether it has a corner whose length is a coefficient.
+    #[must_use]
+    pub fn has_corner(self) -> bool {
+        matches!(self, Self::Stop | Self::Rough | Self::Gap)
     }
 
     /// The force at displacement `d` and velocity `v`.
@@ -65,6 +78,7 @@ impl PortLaw {
                 coefficients: [d, v, d * d * d, v * v.abs()],
             },
             Self::Stop => stop(c, d, v),
+            Self::Rough => rough(c, d, v),
             Self::LiftOff => {
                 let (gap, slope) = positive(c[0] * d + c[2] * v - c[1], 1e-6 * c[1].abs());
                 PortForce {
@@ -105,24 +119,47 @@ impl PortLaw {
 }
 
 fn stop(c: &[f64; COEFFICIENTS], d: f64, v: f64) -> PortForce {
+    pressed(c, if c[3] < 0.0 { -1.0 } else { 1.0 }, d, v)
+}
+
+fn rough(c: &[f64; COEFFICIENTS], d: f64, v: f64) -> PortForce {
     let side = if c[3] < 0.0 { -1.0 } else { 1.0 };
-    let (depth, slope) = positive(side * d - c[1], 1e-3 * c[1].abs() + 1e-9);
+    let width = c[3].abs().max(SHARP);
+    let x = (side * d - c[1]) / width;
+    let below = (-x.abs()).exp();
+    let depth = width * (x.max(0.0) + below.ln_1p());
+    let slope = if x < 0.0 { below } else { 1.0 } / (1.0 + below);
+    let bend = slope * (1.0 - slope) / width;
     PortForce {
         force: side * c[0] * depth + c[2] * v * slope,
-        stiffness: c[0] * slope,
+        stiffness: c[0] * slope + c[2] * v * side * bend,
         damping: c[2] * slope,
-        coefficients: [side * depth, -side * c[0] * slope, v * slope, 0.0],
+        coefficients: [
+            side * depth,
+            -side * c[0] * slope - c[2] * v * bend,
+            v * slope,
+            c[0] * (depth / width - x * slope) - c[2] * v * side * x * bend,
+        ],
     }
 }
 
 fn gap(c: &[f64; COEFFICIENTS], d: f64, v: f64) -> PortForce {
-    let side = if d < 0.0 { -1.0 } else { 1.0 };
-    let (depth, slope) = positive(d.abs() - c[1], 1e-3 * c[1].abs() + 1e-9);
+    pressed(c, if d < 0.0 { -1.0 } else { 1.0 }, d, v)
+}
+
+/// A stop on one side of rest.
+fn pressed(c: &[f64; COEFFICIENTS], side: f64, d: f64, v: f64) -> PortForce {
+    let beyond = side * d - c[1];
+    // A corner of no length has no tangent.
+    let width = c[3].hypot(1e-3 * c[1].abs() + SHARP);
+    let (depth, slope) = positive(beyond, width);
+    let root = beyond.hypot(width);
+    let corner = 0.5 * c[3] / root * (side * c[0] - c[2] * v * beyond / (root * root));
     PortForce {
         force: side * c[0] * depth + c[2] * v * slope,
         stiffness: c[0] * slope,
         damping: c[2] * slope,
-        coefficients: [side * depth, -side * c[0] * slope, v * slope, 0.0],
+        coefficients: [side * depth, -side * c[0] * slope, v * slope, corner],
     }
 }
 
@@ -172,14 +209,19 @@ mod tests {
     fn derivatives_are_differences() {
         let cases = [
             (PortLaw::Polynomial, [2.0, 0.3, 5.0, 0.7]),
-            (PortLaw::Stop, [2.0, 0.1, 0.4, -1.0]),
+            (PortLaw::Stop, [2.0, 0.1, 0.4, -1e-3]),
+            (PortLaw::Stop, [2.0, 0.1, 0.0, -0.3]),
+            (PortLaw::Stop, [2.0, 0.1, 0.0, 0.2]),
             (PortLaw::LiftOff, [3.0, 0.5, 0.0, 0.0]),
             (PortLaw::LiftOff, [3.0, 0.5, 0.4, 0.0]),
             (PortLaw::Stiffening, [2.0, 4.0, -3.0, 5.0]),
             (PortLaw::Yielding, [2.0, 0.3, 0.0, 0.0]),
             (PortLaw::Power, [2.0, 1.4, 0.2, 0.0]),
+            (PortLaw::Rough, [2.0, 0.1, 0.4, -0.3]),
+            (PortLaw::Rough, [2.0, 0.1, 0.4, 0.2]),
             (PortLaw::Round, [2.0, 0.1, 0.0, -1.0]),
             (PortLaw::Gap, [2.0, 0.1, 0.4, 0.0]),
+            (PortLaw::Gap, [2.0, 0.1, 0.0, 0.2]),
             (PortLaw::Friction, [2.0, 0.2, 1.0, 0.0]),
         ];
         for (law, c) in cases {
@@ -190,7 +232,12 @@ mod tests {
                 let by_v = (law.force(&c, d, v + e).force - law.force(&c, d, v - e).force) / (2.0 * e);
                 assert!((at.stiffness - by_d).abs() < 1e-4, "{law:?} {d} {v}: {} {by_d}", at.stiffness);
                 assert!((at.damping - by_v).abs() < 1e-4, "{law:?} {d} {v}: {} {by_v}", at.damping);
-                for k in 0..if law == PortLaw::Power { 2 } else { 3 } {
+                let fitted = match law {
+                    PortLaw::Power => 2,
+                    PortLaw::Stop | PortLaw::Rough | PortLaw::Gap => 4,
+                    _ => 3,
+                };
+                for k in 0..fitted {
                     let (mut up, mut down) = (c, c);
                     up[k] += e;
                     down[k] -= e;
