@@ -118,15 +118,20 @@ const MENDED_PAIRS: [(u64, &str); 3] = [
     (403, "friction.viscous/power + friction.position-periodic/triangle 2 dahl transverse"),
 ];
 
-/// The same with third formulas: a viscous force that thins, a channel of two stages, a
-/// damping that fades slowly, a curve that is straight.
-const MENDED_THIRDS: [(u64, &str); 6] = [
+/// The same with third formulas: a viscous force that thins, a channel of two stages, a damping that fades slowly, a curve that is straight, a spring
+/// on the beam that hardens less and less, stops that touch softly, a preload that rises faster than it falls, grooves across the path.
+const MENDED_THIRDS: [(u64, &str); 11] = [
     (501, "friction.viscous/eyring 1 dahl rotation"),
     (501, "friction.viscous/eyring 2 dahl transverse"),
     (502, "measurement.delay/two-low-passes 1 dahl transverse"),
     (502, "measurement.delay/two-low-passes 2 dahl rotation"),
     (503, "friction.presliding-damping/exponential 1 dahl rotation"),
     (503, "friction.stribeck/straight 1 dahl rotation"),
+    (503, "structure.cubic-stiffness/hyperbolic 2 dahl rotation"),
+    (504, "structure.second-support/smooth 2 dahl transverse"),
+    (504, "structure.second-support/smooth 2 hybrid transverse"),
+    (504, "excitation.preload-modulation/skewed 2 dahl transverse"),
+    (504, "friction.position-periodic/square 1 dahl transverse"),
 ];
 
 fn run() -> anyhow::Result<Outcome> {
