@@ -132,16 +132,6 @@ pub(crate) fn freed(mut changes: Vec<Change>, law: &mut ModifiedLaw<f64>, known:
     apply(&changes, law)
 }
 
-/// Whether an effect has another shape in a law than that of its forms.
-pub(crate) fn has_other_shape(effect: usize, law: &ModifiedLaw<f64>, scales: &Scales) -> bool {
-    let within = |form: &ContactForm| {
-        let mut with = *law;
-        apply(&form.changes, &mut with);
-        !ALL[effect].other_shape(&with, scales).is_empty()
-    };
-    ALL[effect].contact_forms(law, scales).iter().any(within)
-}
-
 /// Hooks that forms of an effect set and leave as they are: which formula it is.
 pub(crate) fn set_by_forms(
     effect: usize,

@@ -136,7 +136,7 @@ impl Search<'_> {
             _ => return found,
         };
         let form = self.study.form(&setting, Port { law, coefficients, ..port }, (&[0, 1], range));
-        match self.study.polished(&reformed(&found, form)) {
+        match self.study.polished(&in_form(&found, form)) {
             Ok(better) if better.criterion + EVIDENCE < found.criterion => better,
             _ => found,
         }
@@ -303,7 +303,7 @@ impl Search<'_> {
         let fitted = ports.into_par_iter().filter_map(|port| {
             let range = thresholds(&[], port.law);
             let form = self.study.form(&setting, port, (&[0, 1, 2, 3], range));
-            self.study.polished(&reformed(found, form)).ok()
+            self.study.polished(&in_form(found, form)).ok()
         });
         let best = fitted.min_by(|a, b| a.criterion.total_cmp(&b.criterion))?;
         (best.criterion + EVIDENCE < found.criterion).then_some(best)
@@ -405,7 +405,7 @@ impl Search<'_> {
 }
 
 /// A model with its last effect in another form.
-fn reformed(found: &Explained, form: StructureForm) -> Explained {
+fn in_form(found: &Explained, form: StructureForm) -> Explained {
     let mut other = found.clone();
     other.fitted.setting = form.setting;
     if let Some(count) = other.counts.last_mut() {

@@ -13,7 +13,7 @@ use super::contact_rounds::Recovered;
 use super::{BALANCE_CLOSED, EVIDENCE, FORETOLD, Rival, Search, Tried, least_excess};
 use crate::balance_fit::BalanceCandidate;
 use crate::contact_search::ContactCandidate;
-use crate::effects::{ALL, has_other_shape};
+use crate::effects::ALL;
 use crate::search::{DOMINANT, Explained};
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::Setting;
@@ -48,40 +48,46 @@ impl Search<'_> {
     ) -> Result<Option<Explained>, ExplainError> {
         let stands = is_dominant(declared, single);
         match self.told_by_the_balance(declared, stands)? {
-            None if !stands => {}
-            None => return self.or_as_before(|search| search.in_another_shape(declared)),
-            found => return Ok(found),
-        }
-        match self.or_as_before(|search| search.beside_a_hidden_one(declared, single))? {
             None => {}
             found => return Ok(found),
         }
-        match self.or_as_before(|search| search.in_the_contact(declared))? {
-            None => self.or_as_before(|search| search.in_another_shape(declared)),
-            found => Ok(found),
+        if !stands
+            && let Some(found) = self.or_as_before(|search| search.beside_a_hidden_one(declared, single))?
+        {
+            return Ok(Some(found));
         }
-    }
-
-    /// A single effect in a shape that could stand in for others, where it is all that explains.
-    fn in_another_shape(&mut self, declared: &Explained) -> Result<Option<Explained>, ExplainError> {
         if self.is_open(declared) {
             return Ok(None);
         }
-        let Recovered { contacts, setting, law, reduced, .. } = self.recovered(declared)?;
+        let recovered = self.recovered(declared)?;
+        let Recovered { contacts, setting, law, reduced, .. } = &recovered;
+        let singles = self.study.contact_candidates((contacts, false), setting, law, (&[], *reduced));
+        let known = (&recovered, &singles[..]);
+        if !stands
+            && let Some(found) = self.or_as_before(|search| Ok(search.in_the_contact(declared, known)))?
+        {
+            return Ok(Some(found));
+        }
+        self.or_as_before(|search| Ok(search.in_another_shape(declared, known)))
+    }
+
+    /// A single effect in a shape that could stand in for others, where it is all that explains, of those on the recovered contacts.
+    fn in_another_shape(
+        &mut self,
+        declared: &Explained,
+        (recovered, singles): (&Recovered, &[ContactCandidate]),
+    ) -> Option<Explained> {
         let study = &self.study;
-        let others: Vec<usize> =
-            (0..ALL.len()).filter(|&e| !has_other_shape(e, &setting.law, &study.scales)).collect();
-        let forms = study.contact_candidates((&contacts, false), &setting, &law, (&others, reduced));
-        let forms: Vec<ContactCandidate> =
-            forms.iter().filter_map(|from| study.in_its_other_shape(&contacts, &setting, from)).collect();
+        let reshaped = |from| study.in_its_other_shape(&recovered.contacts, &recovered.setting, from);
+        let forms: Vec<ContactCandidate> = singles.par_iter().filter_map(reshaped).collect();
         let asked = forms
             .par_iter()
             .flat_map_iter(|form| study.contact_round(declared, std::slice::from_ref(form)))
             .collect();
         let found = self.answered(asked);
-        let Some(best) = self.take_best(declared, found) else { return Ok(None) };
+        let best = self.take_best(declared, found)?;
         let best = self.further(best, declared.excess());
-        Ok(Some(best).filter(|best| best.complete() && self.held_out_ratio(best) <= FORETOLD))
+        Some(best).filter(|best| best.complete() && self.held_out_ratio(best) <= FORETOLD)
     }
 
     /// What is found; where nothing is, the search is as it was before.
@@ -149,19 +155,19 @@ impl Search<'_> {
 
     /// Two effects in the contact: the best single ones on the recovered contacts are each asked which second one takes what they leave there, and
     /// the pairs that follow these are fitted as a whole.
-    fn in_the_contact(&mut self, declared: &Explained) -> Result<Option<Explained>, ExplainError> {
-        if self.is_open(declared) {
-            return Ok(None);
-        }
-        let Recovered { contacts, setting, law, reduced, .. } = self.recovered(declared)?;
-        let firsts = self.study.contact_candidates((&contacts, false), &setting, &law, (&[], reduced));
+    fn in_the_contact(
+        &mut self,
+        declared: &Explained,
+        (recovered, firsts): (&Recovered, &[ContactCandidate]),
+    ) -> Option<Explained> {
+        let Recovered { contacts, setting, .. } = recovered;
         let most = TAKEN * firsts.first().map_or(0.0, |first| first.criterion);
         let worth = |candidate: &ContactCandidate| candidate.meets() || candidate.criterion < most;
         let pair = |first: &ContactCandidate| {
-            let with = first.placed_in(&setting);
+            let with = first.placed_in(setting);
             let taken = [first.effect];
             let seconds = self.study.contact_candidates(
-                (&contacts, false),
+                (contacts, false),
                 &with,
                 &first.unknowns,
                 (&taken, first.reduced),
@@ -186,11 +192,11 @@ impl Search<'_> {
             .collect();
         let mut found = self.answered(asked);
         found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
-        let Some(best) = found.first().cloned() else { return Ok(None) };
+        let best = found.first().cloned()?;
         let lacked = declared.excess();
         let best = self.further(best, lacked);
         let best = self.shaped(best, lacked);
-        Ok(self.only(declared, best, found))
+        self.only(declared, best, found)
     }
 
     /// A pair that completes the model, with the others that do as its rivals; `None` where another one explains as well.
