@@ -117,8 +117,7 @@ impl Search<'_> {
     /// Damping of a place by the square of the velocity with any power about it, and a cubic spring there with a yield, where that explains
     /// better: a tangent at rest knows the square and the cube only, and a laboratory's formula may be another.
     fn with_formula(&self, found: Explained) -> Explained {
-        let mut setting = found.fitted.setting.clone();
-        let Some(port) = setting.ports.pop() else { return found };
+        let Some((setting, port)) = without_last_port(&found) else { return found };
         let at_place = matches!(port.place, PortPlace::At(_)) && port.law == PortLaw::Polynomial;
         if !at_place || found.left().is_noise() {
             return found;
@@ -175,6 +174,7 @@ impl Search<'_> {
         let asked = candidates.par_iter().map(|candidate| self.asked(baseline, candidate)).collect();
         let found = self.answered(asked).into_iter().filter(Explained::complete);
         let Some(mut other) = found.min_by(|a, b| a.criterion.total_cmp(&b.criterion)) else { return model };
+        other.book(baseline);
         // Neither may be named for a longer fit than the other's.
         if let Ok(better) = self.study.polished(&other)
             && better.criterion < other.criterion
@@ -182,7 +182,6 @@ impl Search<'_> {
             other = better;
         }
         other = self.with_formula(other);
-        other.book(baseline);
         let behind = other.criterion - model.criterion;
         let error = self.study.error(&other.fitted, &self.study.training).relative();
         let [id, name] = [&other, &model].map(|one| ALL[one.effects[0]].id());
@@ -274,8 +273,7 @@ impl Search<'_> {
 
     /// A stop or a play along the beam with a corner of some length, where that explains better: what touches first is rough, or held softly.
     fn with_corner(&self, found: &Explained) -> Option<Explained> {
-        let mut setting = found.fitted.setting.clone();
-        let mut port = setting.ports.pop()?;
+        let (mut setting, mut port) = without_last_port(found)?;
         // Where runs rest was read off with a corner of no length.
         setting.rests.1.clear();
         let [stiffness, gap, _, side] = port.coefficients;
@@ -402,6 +400,15 @@ impl Search<'_> {
         found.sensors = current.sensors.iter().copied().chain([candidate.sensor]).collect();
         Ok(found)
     }
+}
+
+/// The setting of a model without the port that its last effect has brought, and that port; `None` where it has brought none.
+fn without_last_port(found: &Explained) -> Option<(Setting, Port)> {
+    let mut setting = found.fitted.setting.clone();
+    let port = setting.ports.pop()?;
+    let is_of_port = |u: &Unknown| matches!(u.quantity, Quantity::Port(k, _) if k == setting.ports.len());
+    let own = found.own(found.effects.len().checked_sub(1)?);
+    own.iter().any(is_of_port).then_some((setting, port))
 }
 
 /// A model with its last effect in another form.
