@@ -207,6 +207,14 @@ impl Study<'_> {
         }
     }
 
+    /// A model fitted further, where that explains better.
+    pub(crate) fn polished_or_as_it_is(&self, model: Explained) -> Explained {
+        match self.polished(&model) {
+            Ok(better) if better.criterion < model.criterion => better,
+            _ => model,
+        }
+    }
+
     /// The same model fitted further from its motions on other lines.
     pub(crate) fn polished_on_lines(&self, from: &Explained) -> Result<Explained, ExplainError> {
         let Fitted { setting, memory, .. } = &from.fitted;

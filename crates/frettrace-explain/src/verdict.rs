@@ -322,9 +322,9 @@ impl Search<'_> {
         if !settled
             && !current.complete()
             && self.most_effects > 1
-            && let Some(pair) = self.paired(baseline, single.as_ref())?
+            && let Some(found) = self.at_last(baseline, single.as_ref())?
         {
-            current = pair;
+            current = found;
         }
         Ok(current)
     }

@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `friction.exponent`, `friction.breakaway`, `structure.cubic-stiffness`; told apart by loops far below sliding: a spring beside the contact stays when friction is taken away.
 
-use super::{Change, ContactForm, Effect, EffectPlace};
+use super::{Change, ContactForm, Effect, EffectPlace, known};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 
@@ -41,6 +41,11 @@ impl Effect for ContactTangentialStiffness {
             )]),
             ContactForm::new(vec![Change::signed(Hook::ParallelCubic, size / (scales.slip * scales.slip))]),
         ]
+    }
+
+    /// A cubic spring beside the contact does nearly what one at the beam does.
+    fn acts_like_one_outside(&self, law: &ModifiedLaw<f64>) -> bool {
+        known(law, &[Hook::ParallelCubic])
     }
 
     /// A spring beside the contact that hardens or softens, and pulls back at rest.

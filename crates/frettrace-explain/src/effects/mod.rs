@@ -238,6 +238,11 @@ pub(crate) trait Effect: Sync {
         forgets(law, self.memories(), reach.step)
     }
 
+    /// Whether what it has brought to a law does nearly what a rival outside the contact does, so that it is asked against that however little it leaves.
+    fn acts_like_one_outside(&self, _law: &ModifiedLaw<f64>) -> bool {
+        false
+    }
+
     /// Whether what it names is one formula: then what its forms leave is something else.
     fn is_exact(&self) -> bool {
         false

@@ -199,11 +199,7 @@ impl Search<'_> {
             if !simpler || !one.complete() || one.criterion < best + EVIDENCE {
                 continue;
             }
-            if let Ok(better) = self.study.polished(one)
-                && better.criterion < one.criterion
-            {
-                *one = better;
-            }
+            *one = self.study.polished_or_as_it_is(one.clone());
         }
     }
 }

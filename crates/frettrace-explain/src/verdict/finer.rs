@@ -31,12 +31,7 @@ impl Search<'_> {
         if current.complete() {
             return self.study.unsettled_contacts(current);
         }
-        if let Ok(better) = self.study.polished(&current)
-            && better.criterion < current.criterion
-        {
-            current = better;
-        }
-        current = self.study.unsettled_contacts(current);
+        current = self.study.unsettled_contacts(self.study.polished_or_as_it_is(current));
         // Kinks of the contact send their force to every line: its error falls with each finer grid. A rigid contact has no other
         // corners than these, and a declared one may be far from the noise for nothing else.
         let kinked = current.fitted.setting.rigid && current.effects.is_empty();

@@ -11,7 +11,6 @@ use crate::search::{Asked, Explained};
 use crate::study::merge;
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::{Beside, Memory, Port, PortLaw, PortPlace, Quantity, Setting};
-use frettrace_friction::effects::Hook;
 use rayon::prelude::*;
 
 /// Effects outside the contact that are re-fitted with the whole model, and how many where more of them close the balance.
@@ -134,11 +133,24 @@ impl Search<'_> {
             }
             _ => return found,
         };
-        let form = self.study.form(&setting, Port { law, coefficients, ..port }, (&[0, 1], range));
-        match self.study.polished(&in_form(&found, form)) {
-            Ok(better) if better.criterion + EVIDENCE < found.criterion => better,
-            _ => found,
-        }
+        let other = (Port { law, coefficients, ..port }, range);
+        self.in_other_laws(&found, &setting, vec![other]).unwrap_or(found)
+    }
+
+    /// A model whose last port, which `setting` is without, follows the best of other laws, each with the range of its threshold; `None` where none of
+    /// them explains better.
+    fn in_other_laws(
+        &self,
+        found: &Explained,
+        setting: &Setting,
+        ports: Vec<(Port, Option<(f64, f64)>)>,
+    ) -> Option<Explained> {
+        let fitted = ports.into_par_iter().filter_map(|(port, range)| {
+            let free = if port.law.has_corner() { &[0, 1, 2, 3][..] } else { &[0, 1] };
+            self.study.polished(&in_form(found, self.study.form(setting, port, (free, range)))).ok()
+        });
+        let best = fitted.min_by(|a, b| a.criterion.total_cmp(&b.criterion))?;
+        (best.criterion + EVIDENCE < found.criterion).then_some(best)
     }
 
     /// A single complete name of the contact that leaves more than the noise, or what it is known to be mistaken for outside the contact, where that explains
@@ -147,10 +159,9 @@ impl Search<'_> {
         if !model.is_single() || ALL[model.effects[0]].place() != EffectPlace::Contact {
             return model;
         }
-        // A cubic spring beside the contact does nearly what one at the beam does. What the grid of a rigid contact may be wrong by is nothing that a
-        // name leaves.
-        let hardens = model.added.iter().any(|u| u.quantity == Quantity::Law(Hook::ParallelCubic));
-        if model.left().is_noise() && model.ratio <= LEFT && !hardens || self.is_of_grid(&model) {
+        // What the grid of a rigid contact may be wrong by is nothing that a name leaves.
+        let alike = ALL[model.effects[0]].acts_like_one_outside(&model.fitted.setting.law);
+        if model.left().is_noise() && model.ratio <= LEFT && !alike || self.is_of_grid(&model) {
             return model;
         }
         let (case, setting) = (self.study.case, self.declared_start(baseline));
@@ -160,28 +171,27 @@ impl Search<'_> {
         };
         let rivals: Vec<usize> =
             ALL[model.effects[0]].rivals().iter().filter_map(|id| listed(id)).filter(outside).collect();
-        if rivals.is_empty() {
-            return model;
-        }
-        let forms = rivals.iter().flat_map(|&effect| {
+        let mut candidates: Vec<BalanceCandidate> = Vec::new();
+        let mut formless: Vec<usize> = Vec::new();
+        for effect in rivals {
             let forms = ALL[effect].structure_forms(case, &setting, &self.study.scales);
-            forms.into_iter().map(move |form| BalanceCandidate::unfitted(effect, form, baseline.criterion))
-        });
+            if forms.is_empty() {
+                formless.push(effect);
+            }
+            let unfitted = |form| BalanceCandidate::unfitted(effect, form, baseline.criterion);
+            candidates.extend(forms.into_iter().map(unfitted));
+        }
         // What the balance of many sensors locates without a law has no forms of its own.
-        let tangents = self.study.tangent_candidates(baseline).into_iter();
-        let located = tangents.filter(|candidate| rivals.contains(&candidate.effect));
-        let candidates: Vec<BalanceCandidate> = forms.chain(located).collect();
+        if !formless.is_empty() {
+            let located = self.study.tangent_candidates(baseline).into_iter();
+            candidates.extend(located.filter(|candidate| formless.contains(&candidate.effect)));
+        }
         let asked = candidates.par_iter().map(|candidate| self.asked(baseline, candidate)).collect();
         let found = self.answered(asked).into_iter().filter(Explained::complete);
         let Some(mut other) = found.min_by(|a, b| a.criterion.total_cmp(&b.criterion)) else { return model };
         other.book(baseline);
         // Neither may be named for a longer fit than the other's.
-        if let Ok(better) = self.study.polished(&other)
-            && better.criterion < other.criterion
-        {
-            other = better;
-        }
-        other = self.with_formula(other);
+        other = self.with_formula(self.study.polished_or_as_it_is(other));
         let behind = other.criterion - model.criterion;
         let error = self.study.error(&other.fitted, &self.study.training).relative();
         let [id, name] = [&other, &model].map(|one| ALL[one.effects[0]].id());
@@ -260,15 +270,10 @@ impl Search<'_> {
             .collect();
         let found = self.answered(asked);
         let Some(best) = self.take_best(current, found) else { return Ok(None) };
-        let rounded = self.with_corner(&best);
-        Ok(Some(match rounded {
-            Some(rounded) => {
-                let nearer = best.criterion - rounded.criterion;
-                self.rivals.iter_mut().for_each(|rival| rival.behind += nearer);
-                rounded
-            }
-            None => best,
-        }))
+        let Some(rounded) = self.with_corner(&best) else { return Ok(Some(best)) };
+        let nearer = best.criterion - rounded.criterion;
+        self.rivals.iter_mut().for_each(|rival| rival.behind += nearer);
+        Ok(Some(rounded))
     }
 
     /// A stop or a play along the beam with a corner of some length, where that explains better: what touches first is rough, or held softly.
@@ -293,18 +298,12 @@ impl Search<'_> {
             }
             _ => return None,
         }
-        let mut ports = vec![port];
+        let mut ports = vec![(port, thresholds(&[], port.law))];
         if port.law == PortLaw::Stop {
             port.law = PortLaw::Rough;
-            ports.push(port);
+            ports.push((port, thresholds(&[], port.law)));
         }
-        let fitted = ports.into_par_iter().filter_map(|port| {
-            let range = thresholds(&[], port.law);
-            let form = self.study.form(&setting, port, (&[0, 1, 2, 3], range));
-            self.study.polished(&in_form(found, form)).ok()
-        });
-        let best = fitted.min_by(|a, b| a.criterion.total_cmp(&b.criterion))?;
-        (best.criterion + EVIDENCE < found.criterion).then_some(best)
+        self.in_other_laws(found, &setting, ports)
     }
 
     /// A model with a stop in which runs rest elsewhere, these and everything else in turns; `lacked` is the excess before it.

@@ -8,6 +8,8 @@
 //! what it leaves there says nothing against it.
 //!
 //! Where both act in the contact, what is said of the balance is said of the recovered contacts: they know of no other run and no structure.
+//!
+//! Where no two do, a single effect of the contact is asked in a shape that could stand in for others.
 
 use super::contact_rounds::Recovered;
 use super::{BALANCE_CLOSED, EVIDENCE, FORETOLD, Rival, Search, Tried, least_excess};
@@ -39,9 +41,9 @@ fn is_dominant(declared: &Explained, single: Option<&(Explained, Vec<Rival>)>) -
 }
 
 impl Search<'_> {
-    /// The declared model with two effects at once; `None` where none explain all that is missing.
+    /// The declared model with two effects at once, or with one in a shape that is asked last; `None` where none explain all that is missing.
     /// `single` is the best model with one effect, and its rivals.
-    pub(super) fn paired(
+    pub(super) fn at_last(
         &mut self,
         declared: &Explained,
         single: Option<&(Explained, Vec<Rival>)>,

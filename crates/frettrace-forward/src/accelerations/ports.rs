@@ -118,12 +118,17 @@ impl PortLaw {
     }
 }
 
+/// The side of a stop on one side.
+fn side_of(c: &[f64; COEFFICIENTS]) -> f64 {
+    if c[3] < 0.0 { -1.0 } else { 1.0 }
+}
+
 fn stop(c: &[f64; COEFFICIENTS], d: f64, v: f64) -> PortForce {
-    pressed(c, if c[3] < 0.0 { -1.0 } else { 1.0 }, d, v)
+    pressed(c, side_of(c), d, v)
 }
 
 fn rough(c: &[f64; COEFFICIENTS], d: f64, v: f64) -> PortForce {
-    let side = if c[3] < 0.0 { -1.0 } else { 1.0 };
+    let side = side_of(c);
     let width = c[3].abs().max(SHARP);
     let x = (side * d - c[1]) / width;
     let below = (-x.abs()).exp();
@@ -189,7 +194,7 @@ fn power(c: &[f64; COEFFICIENTS], v: f64) -> PortForce {
 }
 
 fn round(c: &[f64; COEFFICIENTS], d: f64) -> PortForce {
-    let side = if c[3] < 0.0 { -1.0 } else { 1.0 };
+    let side = side_of(c);
     let (depth, slope) = positive(side * d - c[1], 1e-3 * c[1].abs() + 1e-9);
     let root = depth.sqrt();
     PortForce {
