@@ -10,7 +10,7 @@ use std::{fs, time::Duration};
 use validation::sweep::apart::{MADE, printed};
 use validation::sweep::coverage::{self, Covered, cover};
 use validation::sweep::judged::{Judged, judge};
-use validation::sweep::{self, made::make, plan, tables};
+use validation::sweep::{self, made::make, mended::mended, plan, tables};
 use validation::{
     baseline,
     case::{Outcome, Row},
@@ -107,8 +107,8 @@ struct Extent {
 }
 
 impl Extent {
-    fn sets(&self, wanted: impl Fn(&plan::Planned) -> bool) -> Vec<plan::Planned> {
-        self.drawn.plan().into_iter().filter(wanted).take(self.first).collect()
+    fn sets(&self, wanted: impl Fn(&plan::Planned) -> bool) -> anyhow::Result<Vec<plan::Planned>> {
+        Ok(self.drawn.plan()?.into_iter().filter(wanted).take(self.first).collect())
     }
 
     /// What another process of this program answers on a set, within the limits.
@@ -123,6 +123,7 @@ impl Extent {
         program.args([question, &set.name, "--seed", &seed, "--clean", &clean]);
         program.args(self.drawn.pairs.then_some("--pairs"));
         program.args(self.drawn.thirds.then_some("--thirds"));
+        program.args(self.drawn.mended.then_some("--mended"));
         program.args(kept.sets.iter().flat_map(|folder| [Path::new("--sets"), folder]));
         Ok(serde_json::from_str(&printed(program, [self.making, self.limit].map(Duration::from_secs))?)?)
     }
@@ -151,19 +152,23 @@ struct Drawn {
     /// The sets whose effects have third formulas instead
     #[arg(long, conflicts_with = "pairs")]
     thirds: bool,
+    /// The sets that were answered wrong once instead, of whatever seed
+    #[arg(long, conflicts_with_all = ["pairs", "thirds"])]
+    mended: bool,
 }
 
 impl Drawn {
-    fn plan(&self) -> Vec<plan::Planned> {
-        match self {
+    fn plan(&self) -> anyhow::Result<Vec<plan::Planned>> {
+        Ok(match self {
             Self { pairs: true, .. } => plan::pairs(self.seed),
             Self { thirds: true, .. } => plan::thirds(self.seed),
+            Self { mended: true, .. } => mended()?,
             _ => plan::plan(self.seed, self.clean),
-        }
+        })
     }
 
     fn set(&self, name: &str) -> anyhow::Result<plan::Planned> {
-        let found = self.plan().into_iter().find(|set| set.name == name);
+        let found = self.plan()?.into_iter().find(|set| set.name == name);
         found.ok_or_else(|| anyhow::anyhow!("no set \"{name}\" in the plan of seed {}", self.seed))
     }
 }
@@ -187,7 +192,7 @@ fn run_table(table: &Table) -> anyhow::Result<String> {
             let judged = |set: &plan::Planned| {
                 extent.apart("judge", set, kept).unwrap_or_else(|error| Judged::failed(set, &error))
             };
-            let done = sweep::resume(&extent.output, &extent.sets(|_| true), |set| &set.name, judged)?;
+            let done = sweep::resume(&extent.output, &extent.sets(|_| true)?, |set| &set.name, judged)?;
             Ok(tables::markdown(&format!("Sweep of explain, seed {}", extent.drawn.seed), &done))
         }
         Table::Judge { name, drawn, kept } => {
@@ -209,7 +214,7 @@ fn run_table(table: &Table) -> anyhow::Result<String> {
                     .apart("cover", set, &Kept::default())
                     .unwrap_or_else(|error| Covered::failed(set, &error))
             };
-            let clean = extent.sets(|set| set.formulas.is_empty());
+            let clean = extent.sets(|set| set.formulas.is_empty())?;
             let done = sweep::resume(&extent.output, &clean, |set| &set.name, covered)?;
             Ok(coverage::markdown(&done))
         }

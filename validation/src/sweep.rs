@@ -10,6 +10,7 @@ pub mod effects;
 pub mod judged;
 pub mod kept;
 pub mod made;
+pub mod mended;
 pub mod plan;
 pub mod rigs;
 pub mod tables;
