@@ -59,7 +59,7 @@ impl Effect for FrictionFilm {
 
     /// Without its memory the film `h = 1 − w` is a Stribeck curve, `μ(1 − βh) = μ(1 − β) + μβw`. A curve that the law has of its own, and that
     /// the film has made idle, lags behind as much where the film needs as long to build up as to break down.
-    fn simpler(&self, law: &ModifiedLaw<f64>) -> Vec<Simpler> {
+    fn simpler(&self, law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Simpler> {
         let value = |hook| law.get(hook).unwrap_or_default();
         let (mu, loss) = (value(Hook::MuKinetic), value(Hook::FilmLoss).clamp(1e-3, 0.95));
         // `1 − x^{2/3}` falls to 1/e at half the velocity of a whole film.
@@ -137,7 +137,7 @@ mod tests {
             (Hook::FilmExponent, 1.3),
         ];
         values.into_iter().for_each(|(hook, value)| film.set(hook, value));
-        let simpler = FrictionFilm.simpler(&film);
+        let simpler = FrictionFilm.simpler(&film, &Scales::default());
         let [simpler] = &simpler[..] else { panic!("one curve") };
         let mut curve = simpler.law;
         simpler.changes.iter().for_each(|change| curve.set(change.hook, change.start));
@@ -181,7 +181,7 @@ mod tests {
             (Hook::FilmFall, 0.5),
         ];
         values.into_iter().for_each(|(hook, value)| film.set(hook, value));
-        let simpler = FrictionFilm.simpler(&film);
+        let simpler = FrictionFilm.simpler(&film, &Scales::default());
         let [simpler] = &simpler[..] else { panic!("one lag") };
         assert_eq!(simpler.id, "friction.lag");
         let mut lag = simpler.law;

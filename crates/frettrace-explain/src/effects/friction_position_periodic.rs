@@ -66,8 +66,19 @@ impl Effect for FrictionPositionPeriodic {
         ]
     }
 
-    /// A part of a wave, `c cos qu + s sin qu`, is a change along the path: its series up to `(qu)³`, or a change that ends at `1/q`.
-    fn simpler(&self, law: &ModifiedLaw<f64>) -> Vec<Simpler> {
+    /// A part of a wave of the friction coefficient, `c cos qu + s sin qu`, is a change along the path: its series up to `(qu)³`, or a change that ends
+    /// at `1/q`. A part of a wave of the force is a spring beside the contact, `Ns sin qu = Nsq u − …`, where it pulls back.
+    fn simpler(&self, law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<Simpler> {
+        if known(law, &[Hook::LatticeSine]) {
+            let [s, q] =
+                [Hook::LatticeSine, Hook::PeriodicNumber].map(|hook| law.get(hook).unwrap_or_default());
+            let stiffness = s * q * scales.preload;
+            let mut plain = *law;
+            LATTICE.iter().for_each(|&hook| plain.clear(hook));
+            let changes = vec![Change::from_zero(Hook::ParallelStiffness, stiffness)];
+            let spring = Simpler { id: "contact.tangential-stiffness", law: plain, changes };
+            return Some(spring).filter(|_| stiffness > 0.0).into_iter().collect();
+        }
         if law.get(Hook::PeriodicCosine).is_none() {
             return Vec::new();
         }
@@ -93,6 +104,9 @@ impl Effect for FrictionPositionPeriodic {
         law.get(Hook::PeriodicNumber).is_some_and(|q| q * reach.stroke < std::f64::consts::TAU)
     }
 }
+
+/// What a force along the path brings to a law.
+const LATTICE: [Hook; 3] = [Hook::LatticeCosine, Hook::LatticeSine, Hook::PeriodicNumber];
 
 /// What a wave along the path brings to a law.
 const OWN: [Hook; 10] = [
@@ -133,7 +147,7 @@ mod tests {
         let mut wave = ModifiedLaw::dahl(1e9, 0.3);
         let values = [(Hook::PeriodicCosine, 0.2), (Hook::PeriodicSine, 0.3), (Hook::PeriodicNumber, q)];
         values.into_iter().for_each(|(hook, value)| wave.set(hook, value));
-        let simpler = FrictionPositionPeriodic.simpler(&wave);
+        let simpler = FrictionPositionPeriodic.simpler(&wave, &Scales::default());
         for (simpler, bound) in simpler.iter().zip([1e-5, 2e-3]) {
             let mut plain = simpler.law;
             simpler.changes.iter().for_each(|change| plain.set(change.hook, change.start));
@@ -146,5 +160,24 @@ mod tests {
         let reach = |waves| Reach { step: 1e-5, stroke: waves * std::f64::consts::TAU / q };
         assert!(FrictionPositionPeriodic.is_idle(&wave, reach(0.9)));
         assert!(!FrictionPositionPeriodic.is_idle(&wave, reach(1.1)));
+    }
+
+    /// Near the middle a wave of the force is a spring: at `qu = ±0.1` its next term is `s(qu)³/6` = 5e-5. One that pushes further what has moved is none.
+    #[test]
+    fn a_part_of_a_wave_of_the_force_is_a_spring() {
+        let (q, scales) = (1e4, Scales { preload: 1.0, ..Scales::default() });
+        let mut wave = ModifiedLaw::dahl(1e9, 0.3);
+        let values = [(Hook::LatticeCosine, 0.0), (Hook::LatticeSine, 0.3), (Hook::PeriodicNumber, q)];
+        values.into_iter().for_each(|(hook, value)| wave.set(hook, value));
+        let simpler = FrictionPositionPeriodic.simpler(&wave, &scales);
+        let [simpler] = &simpler[..] else { panic!("one spring") };
+        let mut spring = simpler.law;
+        simpler.changes.iter().for_each(|change| spring.set(change.hook, change.start));
+        for place in [-0.1, 0.1] {
+            let [wave, spring] = [&wave, &spring].map(|law| sliding(law, place / q));
+            assert!((wave - spring).abs() < 6e-5, "{place}: {wave} against {spring}");
+        }
+        wave.set(Hook::LatticeSine, -0.3);
+        assert!(FrictionPositionPeriodic.simpler(&wave, &scales).is_empty());
     }
 }

@@ -224,7 +224,7 @@ pub(crate) trait Effect: Sync {
     }
 
     /// Simpler effects that come near to this one as it was fitted: what it found is where they may begin.
-    fn simpler(&self, _law: &ModifiedLaw<f64>) -> Vec<Simpler> {
+    fn simpler(&self, _law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Simpler> {
         Vec::new()
     }
 

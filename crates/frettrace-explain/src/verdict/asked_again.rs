@@ -198,7 +198,10 @@ impl<'a> Begun<'a> {
             let nearer = baseline.criterion - better.criterion;
             search.tried.iter_mut().filter(|t| t.error.is_finite()).for_each(|t| t.evidence -= nearer);
             if follows && !search.is_open(&better) {
-                match search.still_lacking(&better, &model) {
+                // Beside the declared model that has come to the same, a name that shows nothing of what it says is none.
+                let lacking =
+                    if search.shows_nothing(&model) { None } else { search.still_lacking(&better, &model) };
+                match lacking {
                     Some(pair) => (better, model) = pair,
                     None => {
                         model = better.clone();

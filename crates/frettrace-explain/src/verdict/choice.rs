@@ -126,7 +126,7 @@ impl Search<'_> {
             let own = found.iter().find(|one| one.effects.last().is_some_and(|&e| ALL[e].id() == id));
             own.is_none_or(|own| own.criterion > best.criterion + EVIDENCE)
         };
-        let simpler = ALL[effect].simpler(&best.fitted.setting.law);
+        let simpler = ALL[effect].simpler(&best.fitted.setting.law, &self.study.scales);
         let wanted = simpler.into_iter().filter(|one| self.study.case.allows(one.id) && behind(one.id));
         let wanted: Vec<Simpler> = wanted.collect();
         wanted.par_iter().filter_map(|one| self.study.simpler(current, best, one)).collect()
@@ -211,7 +211,7 @@ pub(super) fn contained(of: Option<&usize>, simpler: usize) -> bool {
 }
 
 /// Effects that contain others: a lag of no time is the curve it lags behind, and so on.
-const CONTAINED: [(&str, &str); 7] = [
+const CONTAINED: [(&str, &str); 8] = [
     ("friction.lag", "friction.stribeck"),
     ("friction.film", "friction.stribeck"),
     ("friction.film", "friction.lag"),
@@ -219,4 +219,5 @@ const CONTAINED: [(&str, &str); 7] = [
     ("friction.presliding-damping", "friction.viscous"),
     ("structure.second-support", "structure.cubic-stiffness"),
     ("friction.position-periodic", "friction.position"),
+    ("friction.position-periodic", "contact.tangential-stiffness"),
 ];

@@ -312,7 +312,8 @@ impl Search<'_> {
         // What brought its own curve with a memory is the curve without one.
         let has_curve = model.own(place).iter().any(|u| u.quantity == Quantity::Law(Hook::StribeckRise));
         let curve = has_curve.then_some("friction.stribeck");
-        let simpler = ALL[effect].simpler(law).into_iter().map(|simpler| simpler.id).chain(curve);
+        let simpler =
+            ALL[effect].simpler(law, &self.study.scales).into_iter().map(|simpler| simpler.id).chain(curve);
         let mut named = simpler.filter(|id| self.study.case.allows(id)).filter_map(listed);
         Some(named.find(|&other| contained(Some(&effect), other)).ok_or(ALL[effect].id()))
     }

@@ -177,9 +177,7 @@ fn beside_force(change: &mut Prediction, balance: &Balance, deviation: &[Vec<f64
 pub(super) fn recover(e: &Evaluation<'_>) -> Vec<f64> {
     let width = 2 * e.order() + 1;
     let mut out = vec![0.0; e.width()];
-    let free = e.layout.ports > 0 && e.layout.sensors > 1 + e.layout.ports;
-    let beside = if free { Beside::Ports } else { Beside::Nothing };
-    let found = fit_lines(e, &out, &Free { beside, moving: &[] });
+    let found = beside_ports(e);
     let forces = std::iter::once((&found.force, &found.force_deviation))
         .chain(found.beside.iter().zip(&found.beside_deviation));
     for ((force, deviation), out) in forces.zip(out.chunks_mut(width)) {
@@ -192,6 +190,25 @@ pub(super) fn recover(e: &Evaluation<'_>) -> Vec<f64> {
         store(&lines, out);
     }
     out
+}
+
+/// What the accelerations say of the contact force, and of those of the ports where sensors are enough to free them.
+fn beside_ports(e: &Evaluation<'_>) -> Balance {
+    let free = e.layout.ports > 0 && e.layout.sensors > 1 + e.layout.ports;
+    let beside = if free { Beside::Ports } else { Beside::Nothing };
+    fit_lines(e, &vec![0.0; e.width()], &Free { beside, moving: &[] })
+}
+
+/// Completes recovered forces by what the laws of the ports answer to the recovered motion: their means, and the lines that hold nothing.
+pub(super) fn settle_ports(e: &Evaluation<'_>, forces: &mut [f64]) {
+    let mut answered = vec![0.0; e.width()];
+    answer_once(e, &beside_ports(e), (&mut answered, 1.0));
+    let width = 2 * e.order() + 1;
+    for (forces, answered) in forces.chunks_mut(width).zip(answered.chunks(width)).skip(1) {
+        for (force, answer) in forces.iter_mut().zip(answered).filter(|(force, _)| **force == 0.0) {
+            *force = *answer;
+        }
+    }
 }
 
 /// What is free beside the contact force, and the motion of every row with the clamp.

@@ -1,6 +1,6 @@
 //! The contact forces of one run: Newton's method on `f − Φ(R_e F_e − R f) = 0`.
 
-use super::balance::recover;
+use super::balance::{recover, settle_ports};
 use super::krylov::{self, inner};
 use super::linear::Tangent;
 use super::run::{Evaluation, State, coefficient};
@@ -124,7 +124,8 @@ const NEIGHBOURS: usize = 3;
 
 /// As [`solve`]; where that fails, from the solutions of other runs, and from the recovered forces `f0` by Newton's homotopy: the
 /// imbalance `F` is brought from `F(f0)` to nothing along `F(f) = (1 − λ) F(f0)`, each solution the start of the next. Dear:
-/// for first solutions only.
+/// for first solutions only. What presses on ports has a mean that no accelerometer sees and their laws do: where that is large, as where a stop is
+/// preloaded, nothing leads from the recovered forces to the balance, and the means that the laws answer with are where it begins.
 pub(super) fn approach<'a>(
     e: &Evaluation<'_>,
     kept: &mut RunMemory,
@@ -141,8 +142,23 @@ pub(super) fn approach<'a>(
             return Ok(());
         }
     }
-    kept.unknowns = mean.into_iter().collect();
-    kept.begin(e);
+    let begun_anew = |kept: &mut RunMemory| {
+        kept.unknowns = mean.into_iter().collect();
+        kept.begin(e);
+    };
+    begun_anew(kept);
+    let Err(left) = along_homotopy(e, kept, tolerance) else { return Ok(()) };
+    if e.layout.ports == 0 {
+        return Err(left);
+    }
+    begun_anew(kept);
+    settle_ports(e, &mut kept.unknowns);
+    newton(&balanced, kept, (tolerance, PATIENCE))
+}
+
+/// From the kept forces to the balance by Newton's homotopy; they are cleared where it fails.
+fn along_homotopy(e: &Evaluation<'_>, kept: &mut RunMemory, tolerance: f64) -> Result<(), f64> {
+    let balanced = Balanced { e, offset: &[] };
     let begun = balanced.at(&kept.unknowns, &mut e.grid.scratch()).difference;
     let (mut level, mut stride) = (0.0, STRIDE[0]);
     let mut last = kept.unknowns.clone();
