@@ -164,6 +164,9 @@ impl Model for BalanceProblem<'_> {
     }
 }
 
+/// Steps of a fit of two effects on the balance.
+const TOGETHER: usize = 12;
+
 impl Study<'_> {
     /// χ² of the balance over its degrees of freedom: all training runs, and the worst of them.
     pub(crate) fn balance_reduced(&self, setting: &Setting) -> (f64, f64) {
@@ -220,6 +223,14 @@ impl Study<'_> {
             ..FitSettings::default()
         };
         fit(&problem, &problem.start(), &settings).map_or_else(|_| setting.clone(), |f| problem.at(&f.values))
+    }
+
+    /// A candidate on the balance with its values, and those of effects beside it, free together.
+    pub(crate) fn balance_together(&self, found: &BalanceCandidate, added: &[Unknown]) -> BalanceCandidate {
+        let form =
+            StructureForm { setting: found.setting.clone(), unknowns: Vec::new(), sensor: found.sensor };
+        let unknowns = merge(&self.structure_unknowns(), &merge(added, &found.unknowns));
+        self.balance_fit(found.effect, &form, &unknowns, TOGETHER)
     }
 
     fn balance_fit(

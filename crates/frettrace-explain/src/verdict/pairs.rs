@@ -25,10 +25,11 @@ use rayon::prelude::*;
 const FIRSTS: usize = 4;
 /// Second effects of the contact beside each of them.
 const SECONDS: usize = 2;
-/// Pairs that are fitted as a whole, …
+/// Pairs of the balance whose values are free together, …
+const FREED: usize = 8;
+/// … pairs that are fitted as a whole, …
 const FITTED: usize = 3;
-/// … where they leave no more than this share of what the best single effect does: a force is located before the first effect's values are
-/// free beside it.
+/// … where they leave no more than this share of what the best single effect does: what is left is of their formulas.
 const TAKEN: f64 = 0.05;
 
 fn closes(candidate: &BalanceCandidate) -> bool {
@@ -243,14 +244,23 @@ impl Search<'_> {
                     ..first.setting.clone()
                 };
                 let (_, seconds) = self.structure_candidates(&setting, &with.added, &with.effects);
-                seconds
-                    .into_iter()
-                    .filter(worth)
-                    .map(move |second| (with.clone(), second))
-                    .collect::<Vec<_>>()
+                seconds.into_iter().map(move |second| (with.clone(), second)).collect::<Vec<_>>()
             })
             .collect();
-        pairs.sort_by(|(_, a), (_, b)| a.criterion.total_cmp(&b.criterion));
+        let nearest = |pairs: &mut Vec<(Explained, BalanceCandidate)>| {
+            pairs.sort_by(|(_, a), (_, b)| a.criterion.total_cmp(&b.criterion));
+        };
+        nearest(&mut pairs);
+        pairs.truncate(FREED);
+        // The second one was located while the first one's values were held where they took what they could of both.
+        pairs.par_iter_mut().filter(|(_, second)| !closes(second)).for_each(|(with, second)| {
+            let together = self.study.balance_together(second, &with.added);
+            if together.criterion < second.criterion {
+                *second = together;
+            }
+        });
+        pairs.retain(|(_, second)| worth(second));
+        nearest(&mut pairs);
         pairs.truncate(FITTED);
         let asked = pairs.par_iter().map(|(with, second)| self.asked(with, second)).collect();
         let mut found: Vec<Explained> =
