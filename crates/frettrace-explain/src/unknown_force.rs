@@ -1,7 +1,8 @@
 //! A further force on the structure, found without its law: where it acts, and what it answers to.
 //!
 //! On every line `a = G_e F + G_c f_c + G_x f_x + noise` with both forces free; χ² over the places `x` says where. The laws of
-//! [`crate::force_laws`] then answer the recovered motion there.
+//! [`crate::force_laws`] then answer the recovered motion there. Where the contact's support has a force of its own, that is free as well, so that its
+//! law does not matter.
 
 use crate::balance_fit::BalanceCandidate;
 use crate::effects::{ALL, EffectPlace, FREE, StructureForm, listed};
@@ -55,6 +56,8 @@ const DEAF_RUNS: usize = 3;
 /// What closes an open balance best that is told beside a structure of its own, and the steps of its fit.
 const NEAREST: usize = 4;
 const CALIBRATED: usize = 20;
+/// Sensors that a contact force and a further one take.
+const LEAST_FREE: usize = 2;
 /// Places are of equal standing within this factor of the best.
 const NEAR: f64 = 1.3;
 
@@ -125,7 +128,7 @@ impl Told {
 
 impl Study<'_> {
     fn located_at(&self, setting: &Setting, place: PortPlace) -> Option<Located> {
-        let single = with_only(setting, place);
+        let single = with_further(setting, place);
         let found = self.model.balance_beside(&single, &self.training, Beside::Ports).ok()?;
         let (chi, freedom) = Balance::chi_squared_of(&found);
         Some(Located { place, chi, freedom })
@@ -133,7 +136,7 @@ impl Study<'_> {
 
     /// The places of a further force, best first: along the beam, at the support, on one of the first modes.
     pub(crate) fn locate(&self, setting: &Setting) -> Vec<Located> {
-        if self.case.rig.sensors.len() < 3 {
+        if self.case.rig.sensors.len() <= LEAST_FREE {
             return Vec::new();
         }
         let length = self.scales.length;
@@ -203,7 +206,7 @@ impl Study<'_> {
                 Some(Told { source: told.source, setting, chi })
             }
             Source::Exciter(l) => by(Source::Exciter, l.place, &[]),
-            Source::Elsewhere(l) => by(Source::Elsewhere, l.place, &self.place(l.place)),
+            Source::Elsewhere(l) => by(Source::Elsewhere, l.place, &self.place(0, l.place)),
         };
         own.filter(|own| own.chi < told.chi).unwrap_or_else(|| told.clone())
     }
@@ -215,10 +218,9 @@ impl Study<'_> {
         place: PortPlace,
         free: &[Unknown],
     ) -> Option<(Located, Setting)> {
-        let single = with_only(setting, place);
+        let single = with_further(setting, place);
         let mut own = self.calibrated_with(&single, Beside::Ports, (free, CALIBRATED));
-        let place = own.ports.first()?.place;
-        own.ports.clear();
+        let place = own.ports.pop()?.place;
         Some((self.located_at(&own, place)?, own))
     }
 
@@ -255,7 +257,7 @@ impl Study<'_> {
     fn asks(&self, setting: &Setting, located: &Located) -> Option<Asks> {
         let harmonic: Vec<usize> =
             self.training.iter().copied().filter(|&run| self.case.records[run].subharmonic == 1).collect();
-        let single = with_only(setting, located.place);
+        let single = with_further(setting, located.place);
         let balances = self.model.balance_beside(&single, &harmonic, Beside::Ports).ok()?;
         let histories = |of: fn(&Balance, f64) -> Option<History>| -> Option<Vec<History>> {
             let runs = harmonic.iter().zip(&balances);
@@ -350,6 +352,13 @@ impl Study<'_> {
             .unwrap_or(start)
     }
 
+    /// Whether a further force can be located beside the ports that a setting has: one on the beam is not told from another, and every free force takes
+    /// a sensor.
+    pub(crate) fn locates_beside(&self, setting: &Setting) -> bool {
+        let of_support = setting.ports.iter().all(|port| port.place == PortPlace::Support);
+        of_support && self.case.rig.sensors.len() > LEAST_FREE + setting.ports.len()
+    }
+
     /// Laws of a further force where one closes the balance far better than the plain structure does (χ² `plain`).
     pub(crate) fn force_candidates(&self, setting: &Setting, plain: f64) -> Vec<BalanceCandidate> {
         let mut located = self.locate(setting);
@@ -358,7 +367,7 @@ impl Study<'_> {
             // The structure within its standard deviations and the place of the force, together: where noise is low either one alone comes to rest
             // far from where both are.
             if let Some((together, own)) =
-                self.located_beside(&setting, first.place, &self.place(first.place))
+                self.located_beside(&setting, first.place, &self.place(setting.ports.len(), first.place))
             {
                 setting = Setting { ports: setting.ports, ..own };
                 located = self.locate(&setting);
@@ -378,13 +387,13 @@ impl Study<'_> {
         found
     }
 
-    /// The place of the only further force as an unknown, where it is one along the beam.
-    fn place(&self, place: PortPlace) -> Vec<Unknown> {
+    /// The place of a further force, the port of the given index, as an unknown, where it is one along the beam.
+    fn place(&self, port: usize, place: PortPlace) -> Vec<Unknown> {
         let length = self.scales.length;
         let along = |x: f64| (x - length / PLACES as f64, x + length / PLACES as f64);
         match place {
             PortPlace::At(x) => {
-                vec![signed(Quantity::PortPosition(0), ("position", "m"), 1e-3 * length, along(x))]
+                vec![signed(Quantity::PortPosition(port), ("position", "m"), 1e-3 * length, along(x))]
             }
             _ => Vec::new(),
         }
@@ -412,7 +421,7 @@ impl Study<'_> {
                         shape.free.iter().copied().filter(|&k| !(rests && k == 1)).collect();
                     let mut form = self.form(setting, port, (&free, thresholds(histories, shape.law)));
                     if rests {
-                        form.setting.rests = (0, self.resting(&all, &port));
+                        form.setting.rests = (setting.ports.len(), self.resting(&all, &port));
                     }
                     let freedom = located.freedom + histories.iter().map(History::count).sum::<usize>();
                     let values = form.unknowns.len() + if rests { histories.len() } else { 0 };
@@ -433,8 +442,9 @@ impl Study<'_> {
 
     /// Where the only port of a setting, a stop, lets every run rest ([`Setting::rests`]); `None` where that cannot be told.
     pub(crate) fn rests(&self, setting: &Setting) -> Option<Vec<f64>> {
-        let [port] = &setting.ports[..] else { return None };
-        Some(self.resting(&self.histories(setting, port.place)?, port))
+        let [port] = setting.ports[..] else { return None };
+        let without = Setting { ports: Vec::new(), ..setting.clone() };
+        Some(self.resting(&self.histories(&without, port.place)?, &port))
     }
 
     /// The same of recovered histories of all runs.
@@ -449,7 +459,7 @@ impl Study<'_> {
     /// What a further force at a place and its motion were in every run, those that are fitted first.
     fn histories(&self, setting: &Setting, place: PortPlace) -> Option<Vec<History>> {
         let all = self.all_runs();
-        let balances = self.model.balance_beside(&with_only(setting, place), &all, Beside::Ports).ok()?;
+        let balances = self.model.balance_beside(&with_further(setting, place), &all, Beside::Ports).ok()?;
         all.iter()
             .zip(&balances)
             .map(|(&run, balance)| History::new(balance, self.model.runs[run].omega))
@@ -515,9 +525,10 @@ fn is_told([best, next]: [f64; 2]) -> bool {
     best <= BALANCE_CLOSED || best < STANDS_OUT * next
 }
 
-fn with_only(setting: &Setting, place: PortPlace) -> Setting {
+/// A setting with a further port, whose force is free where those of all ports are.
+fn with_further(setting: &Setting, place: PortPlace) -> Setting {
     let mut setting = setting.clone();
-    setting.ports = vec![Port { place, law: PortLaw::Polynomial, coefficients: [0.0; 4] }];
+    setting.ports.push(Port { place, law: PortLaw::Polynomial, coefficients: [0.0; 4] });
     setting
 }
 

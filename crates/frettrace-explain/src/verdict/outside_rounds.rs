@@ -218,8 +218,10 @@ impl Search<'_> {
         let (_, structural) = Unknown::parted(added);
         let plain = self.study.balance_base(setting, &structural);
         let mut candidates = self.study.balance_candidates(setting, &structural, taken);
-        if setting.ports.is_empty() {
+        if self.study.locates_beside(setting) {
             candidates.extend(self.study.force_candidates(setting, plain.criterion));
+        }
+        if setting.ports.is_empty() {
             candidates.extend(self.study.base_candidate(setting, plain.criterion));
         }
         candidates.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
