@@ -46,9 +46,10 @@ pub(crate) fn thresholds(histories: &[History], law: PortLaw) -> Option<(f64, f6
         }
         PortLaw::Power => POWERS,
         PortLaw::Friction => {
-            // Friction that never reaches its level is viscous.
-            let fastest = largest(histories, |h| &h.velocity);
-            (1e-2 * fastest, fastest)
+            // Friction that never reaches its level is viscous. How it comes there is told by the run that moves least.
+            let speeds = histories.iter().map(|h| largest(std::slice::from_ref(h), |h| &h.velocity));
+            let (slowest, fastest) = speeds.fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(v), b.max(v)));
+            (1e-2 * slowest, fastest)
         }
         PortLaw::Gap => (0.0, f64::INFINITY),
         _ => return None,
