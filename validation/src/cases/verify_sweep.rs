@@ -15,6 +15,8 @@ pub const CASE: Case = Case { name: "verify_sweep", run };
 const AGAIN: usize = 4;
 /// … of those whose answer took less than this (s), and their simulation mostly little more.
 const QUICK: f64 = 1.0;
+/// Of the sets that were answered wrong once those are asked again whose answer took less than this (s).
+const SOON: f64 = 30.0;
 fn run() -> anyhow::Result<Outcome> {
     let sets: Vec<Judged> = stored("verify_sweep/sweep.jsonl")?;
     let mut rows = counted(&Counts::of(&sets));
@@ -125,9 +127,9 @@ fn mended() -> anyhow::Result<[Row; 2]> {
     ])
 }
 
-/// Whether no answer on the same effect was quicker than that on a set: all of them would take a third of an hour.
+/// Whether a set was answered soon, and none with the same effects sooner: all of them would take a third of an hour.
 fn quickest(stored: &[Judged], name: &str) -> bool {
     let Some(answer) = stored.iter().find(|answer| answer.name == name) else { return false };
     let same = |other: &&Judged| (&other.effect, &other.second) == (&answer.effect, &answer.second);
-    stored.iter().filter(same).all(|other| answer.seconds <= other.seconds)
+    answer.seconds < SOON && stored.iter().filter(same).all(|other| answer.seconds <= other.seconds)
 }
