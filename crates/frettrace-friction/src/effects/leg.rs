@@ -140,9 +140,9 @@ impl<T: Scalar> Part<T> {
             return self.by(law, b, (sense(self.slip), reach * self.slip.abs()));
         }
         // The spring carries N·b and is c·N·b long: db = σ0 φ (du − c b dN)/(1 + σ0 φ N c), with the rate at mid-stretch, predicted by
-        // half a stretch.
+        // half a stretch. An open contact carries nothing, and its spring is as long as unloaded.
         let compliance = law.at(Hook::SeriesCompliance);
-        let [from, to] = self.normal;
+        let [from, to] = self.normal.map(|normal| if normal.re() > 0.0 { normal } else { T::from(0.0) });
         let stiffness = law.at(Hook::Sigma0) * (from + to) * 0.5 * compliance;
         let pushed = |at: T, share: f64| {
             let driven = self.slip - compliance * at * (to - from);

@@ -304,6 +304,35 @@ fn a_spring_in_series_carries_the_force() {
     }
 }
 
+/// A contact that opens carries nothing, and the spring in series with its bristle gives nothing while it is open, however far its normal force would
+/// pull: where it closes again, the bristle has gone as far as the slip, and so has the one without a spring.
+#[test]
+fn a_spring_in_series_with_an_open_contact_gives_nothing() {
+    let plain: ModifiedLaw<f64> = ModifiedLaw::dahl(3.0, 0.4);
+    let mut sprung = plain;
+    sprung.set(Hook::SeriesCompliance, 0.4);
+    let circumstance = Circumstance { preload: 1.0, ..Circumstance::default() };
+    let ended = |law: &ModifiedLaw<f64>| {
+        let mut state = law.rest_at(0.0);
+        let mut force = 0.0;
+        for k in 0..8 {
+            let slip = [k, k + 1].map(|k| 0.01 * f64::from(k));
+            // 1/(σ0 c) below nothing the spring would cancel the bristle.
+            let normal = [-0.5 / 1.2, if k == 7 { 1e-9 } else { -1.5 / 1.2 }];
+            let step = Step { slip, velocity: [1.0; 2], normal, dt: 0.01 };
+            (state, force) = law.advance(state, &step, &circumstance);
+        }
+        force
+    };
+    let [plain, sprung] = [&plain, &sprung].map(ended);
+    // A Dahl bristle that has gone 0.08 from rest: b = μ(1 − e^{−σ0 u/μ}) = 0.4(1 − e^{−0.6}).
+    let expected = 1e-9 * 0.4 * (1.0 - (-0.6_f64).exp());
+    assert!(
+        (plain - expected).abs() < 1e-12 && (sprung - plain).abs() < 1e-15,
+        "{plain} {sprung} {expected}"
+    );
+}
+
 /// Presliding damping answers to the bristle's own rate, `μ = b + σ1 ż` with `ż = v (1 − r)^i`. At `i = 2` a ramp from rest has
 /// `r = ξ/(1 + ξ)`, `ξ = σ0 u/μ`, so that `μ = μ_k ξ/(1 + ξ) + σ1 v/(1 + ξ)²`; Runge-Kutta steps are good to 1e-5.
 #[test]
