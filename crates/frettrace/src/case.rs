@@ -1,6 +1,6 @@
 //! A measurement file as the case of an explanation or a joint fit.
 
-use crate::reconstruct::{FormChoice, ReconstructOptions, reconstruct};
+use crate::reconstruct::{FormChoice, ReconstructOptions, reconstruct, told_apart};
 use crate::{Progress, StudyError};
 use frettrace_beam::{Boundary, UniformBeam};
 use frettrace_explain::{BALANCE_CLOSED_RUN, Case, DeclaredModes, Reading, RunSamples, Series};
@@ -297,7 +297,7 @@ fn rig(measurement: &Measurement) -> Rig {
     let support = &measurement.support;
     let turns = support.slip == SlipKind::Rotation;
     Rig {
-        boundary: Boundary::spring(support.normal_stiffness),
+        boundary: Boundary::spring(told_apart(support.normal_stiffness, &uniform)),
         beam: uniform,
         exciter: measurement.exciter.position,
         sensors: measurement.sensors.position.clone(),
