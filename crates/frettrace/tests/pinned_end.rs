@@ -1,4 +1,5 @@
 //! A beam that turns over a support which does not give: the reaction there loads and relieves the contact all the same.
+#![expect(clippy::unwrap_used, reason = "helpers of tests may unwrap")]
 
 use frettrace::Progress;
 use frettrace::explain::{ExplainOptions, explain};

@@ -1,4 +1,5 @@
 //! Two effects at once on the demonstration rig.
+#![expect(clippy::unwrap_used, reason = "helpers of tests may unwrap")]
 
 use frettrace::Progress;
 use frettrace::explain::{ExplainOptions, explain};
