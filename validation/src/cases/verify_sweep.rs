@@ -17,6 +17,7 @@ const AGAIN: usize = 4;
 const QUICK: f64 = 1.0;
 /// Of the sets that were answered wrong once those are asked again whose answer took less than this (s).
 const SOON: f64 = 30.0;
+
 fn run() -> anyhow::Result<Outcome> {
     let sets: Vec<Judged> = stored("verify_sweep/sweep.jsonl")?;
     let mut rows = counted(&Counts::of(&sets));
