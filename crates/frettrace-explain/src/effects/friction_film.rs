@@ -57,17 +57,17 @@ impl Effect for FrictionFilm {
         forms
     }
 
-    /// Without its memory the film `h = 1 − w` is a Stribeck curve, `μ(1 − βh) = μ(1 − β) + μβw`. A curve that the law has of its own, and that
-    /// the film has made idle, lags behind as much where the film needs as long to build up as to break down.
+    /// Without its memory the film `h = 1 − w` is a Stribeck curve, `μ(1 − βh) = μ(1 − β) + μβw`. Where the film needs as long to build up as to break
+    /// down, that curve, or one that the law has of its own and that the film has made idle, lags behind as much.
     fn simpler(&self, law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Simpler> {
         let value = |hook| law.get(hook).unwrap_or_default();
         let (mu, loss) = (value(Hook::MuKinetic), value(Hook::FilmLoss).clamp(1e-3, 0.95));
         // `1 − x^{2/3}` falls to 1/e at half the velocity of a whole film.
         let (share, exponent) = law.get(Hook::FilmExponent).map_or((0.5, 0.8), |exponent| (1.0, exponent));
+        let rise = value(Hook::FilmRise);
+        let time = (rise * law.get(Hook::FilmFall).unwrap_or(rise)).sqrt();
         if known(law, &[Hook::StribeckRise]) {
             let rest = mu + value(Hook::StribeckRise);
-            let rise = value(Hook::FilmRise);
-            let time = (rise * law.get(Hook::FilmFall).unwrap_or(rise)).sqrt();
             let mut law = *law;
             OWN.iter().for_each(|&hook| law.clear(hook));
             let curve = [
@@ -83,13 +83,17 @@ impl Effect for FrictionFilm {
         let mut law = *law;
         OWN.iter().for_each(|&hook| law.clear(hook));
         law.set(Hook::MuKinetic, mu * (1.0 - loss));
-        let changes = vec![
+        let curve = vec![
             Change::positive(Hook::StribeckRise, mu * loss, 1e-3),
             Change::positive(Hook::StribeckVelocity, share * value(Hook::FilmVelocity), 1e-3),
             Change::between(Hook::StribeckExponent, exponent, (0.4, 6.0)),
             Change::between(Hook::RationalShare, 0.5, (0.0, 1.0)),
         ];
-        vec![Simpler { id: "friction.stribeck", law, changes }]
+        let lag = curve.iter().cloned().chain([Change::positive(Hook::LagTime, time, 1e-3)]).collect();
+        vec![
+            Simpler { id: "friction.stribeck", law, changes: curve },
+            Simpler { id: "friction.lag", law, changes: lag },
+        ]
     }
 
     fn memories(&self) -> &'static [Hook] {
@@ -138,7 +142,8 @@ mod tests {
         ];
         values.into_iter().for_each(|(hook, value)| film.set(hook, value));
         let simpler = FrictionFilm.simpler(&film, &Scales::default());
-        let [simpler] = &simpler[..] else { panic!("one curve") };
+        let [simpler, _] = &simpler[..] else { panic!("a curve, and one that lags") };
+        assert_eq!(simpler.id, "friction.stribeck");
         let mut curve = simpler.law;
         simpler.changes.iter().for_each(|change| curve.set(change.hook, change.start));
         curve.set(Hook::RationalShare, 0.0);
@@ -165,7 +170,7 @@ mod tests {
         (0..4000).map(&mut advance).collect()
     }
 
-    /// A film that breaks down as fast as it builds up, in a law whose own Stribeck curve does nothing, is the lag of such a curve, once
+    /// A film that breaks down as fast as it builds up, in a law whose own Stribeck curve does nothing or that has none, is the lag of such a curve, once
     /// the states have forgotten where they began: ten seconds, twenty of their times.
     #[test]
     fn a_film_of_one_time_is_a_lag() {
@@ -181,13 +186,21 @@ mod tests {
             (Hook::FilmFall, 0.5),
         ];
         values.into_iter().for_each(|(hook, value)| film.set(hook, value));
-        let simpler = FrictionFilm.simpler(&film, &Scales::default());
-        let [simpler] = &simpler[..] else { panic!("one lag") };
-        assert_eq!(simpler.id, "friction.lag");
-        let mut lag = simpler.law;
-        simpler.changes.iter().for_each(|change| lag.set(change.hook, change.start));
-        for (film, lag) in swinging(&film).into_iter().zip(swinging(&lag)).skip(2000) {
-            assert!((film - lag).abs() < 1e-6, "{film} against {lag}");
+        let mut bare = film;
+        [Hook::StribeckRise, Hook::StribeckVelocity, Hook::StribeckExponent].map(|hook| bare.clear(hook));
+        // A law without a curve of its own had no friction beside the film's: its level is that of the film and the idle curve together.
+        bare.set(Hook::MuKinetic, 0.3);
+        for film in [film, bare] {
+            let simpler = FrictionFilm.simpler(&film, &Scales::default());
+            let simpler = simpler.iter().find(|simpler| simpler.id == "friction.lag").unwrap();
+            let mut lag = simpler.law;
+            simpler.changes.iter().for_each(|change| lag.set(change.hook, change.start));
+            if lag.get(Hook::RationalShare).is_some() {
+                lag.set(Hook::RationalShare, 0.0);
+            }
+            for (film, lag) in swinging(&film).into_iter().zip(swinging(&lag)).skip(2000) {
+                assert!((film - lag).abs() < 1e-6, "{film} against {lag}");
+            }
         }
     }
 }
