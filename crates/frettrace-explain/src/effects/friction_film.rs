@@ -187,7 +187,8 @@ mod tests {
         ];
         values.into_iter().for_each(|(hook, value)| film.set(hook, value));
         let mut bare = film;
-        [Hook::StribeckRise, Hook::StribeckVelocity, Hook::StribeckExponent].map(|hook| bare.clear(hook));
+        let own = [Hook::StribeckRise, Hook::StribeckVelocity, Hook::StribeckExponent];
+        own.iter().for_each(|&hook| bare.clear(hook));
         // A law without a curve of its own had no friction beside the film's: its level is that of the film and the idle curve together.
         bare.set(Hook::MuKinetic, 0.3);
         for film in [film, bare] {
