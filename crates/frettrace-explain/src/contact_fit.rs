@@ -106,12 +106,7 @@ impl Recovered {
         let slip = sampled(&|h| balance.slip[h]);
         let velocity = sampled(&|h| balance.slip[h] * Complex64::new(0.0, h as f64 * lines.omega));
         let end = sampled(&|h| balance.end[h]);
-        let turns = model.rig().lever.is_some();
-        let stiffness_of_end = if turns && model.rig().boundary.support_stiffness.is_finite() {
-            model.rig().boundary.support_stiffness
-        } else {
-            0.0
-        };
+        let stiffness_of_end = model.rig().lever.map_or(0.0, |_| model.rig().boundary.support_stiffness);
         let normal = end.iter().map(|w| lines.preload - stiffness_of_end * w).collect();
         let resistance = match answer {
             Answer::Rigid => resistance(balance, lines.omega, order),

@@ -45,7 +45,7 @@ fn history(case: &Case, run: usize, balance: &Balance) -> Result<ContactHistory,
     let slip = sampled(&|h| balance.slip[h]);
     let velocity = sampled(&|h| balance.slip[h] * Complex64::new(0.0, h as f64 * lines.omega));
     let stiffness = case.rig.boundary.support_stiffness;
-    let normal = if case.rig.lever.is_some() && stiffness.is_finite() {
+    let normal = if case.rig.lever.is_some() {
         let end = sampled(&|h| balance.end[h]);
         end.iter().map(|w| lines.preload - stiffness * w).collect()
     } else {

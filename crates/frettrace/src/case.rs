@@ -1,8 +1,8 @@
 //! A measurement file as the case of an explanation or a joint fit.
 
-use crate::reconstruct::{FormChoice, ReconstructOptions, reconstruct, told_apart};
+use crate::reconstruct::{FormChoice, ReconstructOptions, reconstruct, told_apart, uniform_beam};
 use crate::{Progress, StudyError};
-use frettrace_beam::{Boundary, UniformBeam};
+use frettrace_beam::Boundary;
 use frettrace_explain::{BALANCE_CLOSED_RUN, Case, DeclaredModes, Reading, RunSamples, Series};
 use frettrace_forward::accelerations::Rig;
 use frettrace_identify::contact::Family;
@@ -281,24 +281,12 @@ pub fn case(measurement: &Measurement) -> Result<Case, StudyError> {
 }
 
 fn rig(measurement: &Measurement) -> Rig {
-    let beam = &measurement.beam;
-    let mut uniform = UniformBeam::rectangular(
-        beam.length,
-        [beam.width, beam.thickness],
-        beam.youngs_modulus,
-        beam.density,
-    );
-    if let Some(second_moment) = beam.second_moment {
-        uniform.bending_stiffness = beam.youngs_modulus * second_moment;
-    }
-    if let Some(area) = beam.area {
-        uniform.mass_per_length = beam.density * area;
-    }
+    let beam = uniform_beam(&measurement.beam);
     let support = &measurement.support;
     let turns = support.slip == SlipKind::Rotation;
     Rig {
-        boundary: Boundary::spring(told_apart(support.normal_stiffness, &uniform)),
-        beam: uniform,
+        boundary: Boundary::spring(told_apart(support.normal_stiffness, &beam)),
+        beam,
         exciter: measurement.exciter.position,
         sensors: measurement.sensors.position.clone(),
         lever: turns.then_some(support.lever_arm),

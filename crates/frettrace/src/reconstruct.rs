@@ -120,7 +120,8 @@ fn beam_modes(beam: &file::Beam) -> usize {
     ((beam.length / (SLENDER * beam.thickness)) as usize).clamp(1, MOST_BEAM_MODES)
 }
 
-fn uniform_beam(beam: &file::Beam) -> UniformBeam {
+/// A beam as a file has it.
+pub(crate) fn uniform_beam(beam: &file::Beam) -> UniformBeam {
     let plain = UniformBeam::rectangular(
         beam.length,
         [beam.width, beam.thickness],

@@ -1,33 +1,22 @@
 //! Effects in formulas that the model that explains does not have, on the demonstration rig.
 
-use frettrace::Progress;
-use frettrace::explain::{ExplainOptions, explain};
-use frettrace::rig::parse_rig;
-use frettrace::simulate::simulate;
-use frettrace_measurement::Recording;
-use std::path::Path;
+mod demonstration;
 
-const RIG: &str = include_str!("../../../data/demo/rig.toml");
+use demonstration::{explained, measured, named, over_noise};
 
 /// The name is the claim, and not the formula: a viscous force that follows the inverse hyperbolic sine of the speed (Eyring), a channel with two slow stages,
 /// a stop along the beam that touches softly, a curve with an exponent of its own that lags on a law without one.
 #[test]
 fn another_laboratorys_formula_has_the_effects_name() {
-    let quiet = Progress::silent();
     for effect in [
         "friction.viscous/eyring\"\nforce_n = 4.0\nvelocity_m_per_s = 0.004",
         "measurement.delay/two-low-passes\"\nsensor = 2\ntime_s = 1.3e-4",
         "structure.second-support/smooth\"\nposition_m = 0.3\nstiffness_n_per_m = 4e4\ngap_m = 2e-5\nsmoothness_m = 1e-5",
         "friction.lag\"\ntime_s = 2e-3\nmu_s = 0.36\nv_s_m_per_s = 2e-3\ndelta = 1.0",
     ] {
-        let rig = RIG.split("[[effect]]").next().unwrap().to_owned() + "[[effect]]\nid = \"" + effect;
-        let made = simulate(&parse_rig(&rig, Path::new("rig.toml")).unwrap(), &quiet).unwrap();
-        let recording = Recording::Measurement(made.measurement);
-        let found = explain(&recording, &ExplainOptions::default(), &quiet).unwrap();
-        let named: Vec<&str> = found.effects.iter().map(|effect| effect.id.as_str()).collect();
-        assert_eq!(named, [effect.split(['/', '"']).next().unwrap()], "{effect}");
-        let held_out = found.held_out.unwrap();
-        let [before, after] = [held_out.before, held_out.after].map(|error| error / held_out.noise_floor);
+        let found = explained(measured(&("[[effect]]\nid = \"".to_owned() + effect), 1.0, |_| {}));
+        assert_eq!(named(&found), [effect.split(['/', '"']).next().unwrap()], "{effect}");
+        let [before, after] = over_noise(&found);
         assert!(before > 1.5 && after < 1.1, "{effect}: {before} {after}");
     }
 }

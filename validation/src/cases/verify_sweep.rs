@@ -110,10 +110,10 @@ fn again(sets: &[Judged]) -> Row {
 fn mended() -> anyhow::Result<[Row; 2]> {
     let planned = sweep::mended::mended()?;
     let stored: Vec<Judged> = stored("verify_sweep/mended.jsonl")?;
-    let right =
-        |set: &Planned| stored.iter().any(|answer| answer.name == set.name && answer.worth() == Worth::Right);
-    let all = planned.iter().filter(|set| right(set)).count();
-    let asked: Vec<&Planned> = planned.iter().filter(|set| quickest(&stored, &set.name)).collect();
+    let answer = |set: &Planned| stored.iter().find(|answer| answer.name == set.name);
+    let all = planned.iter().filter_map(answer).filter(|answer| answer.worth() == Worth::Right).count();
+    let is_asked = |set: &&Planned| answer(set).is_some_and(|answer| quickest(&stored, answer));
+    let asked: Vec<&Planned> = planned.iter().filter(is_asked).collect();
     let again = asked.par_iter().filter(|set| judge(set, None, || {}).worth() == Worth::Right).count();
     let row = |quantity: &str, part, whole| Row {
         expected: Some(1.0),
@@ -128,9 +128,8 @@ fn mended() -> anyhow::Result<[Row; 2]> {
     ])
 }
 
-/// Whether a set was answered soon, and none with the same effects sooner: all of them would take a third of an hour.
-fn quickest(stored: &[Judged], name: &str) -> bool {
-    let Some(answer) = stored.iter().find(|answer| answer.name == name) else { return false };
+/// Whether an answer came soon, and none with the same effects sooner: all of them would take a third of an hour.
+fn quickest(stored: &[Judged], answer: &Judged) -> bool {
     let same = |other: &&Judged| (&other.effect, &other.second) == (&answer.effect, &answer.second);
     answer.seconds < SOON && stored.iter().filter(same).all(|other| answer.seconds <= other.seconds)
 }

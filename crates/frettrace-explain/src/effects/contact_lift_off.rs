@@ -32,7 +32,7 @@ impl Effect for ContactLiftOff {
 
     fn structure_forms(&self, case: &Case, setting: &Setting, scales: &Scales) -> Vec<StructureForm> {
         let stiffness = case.rig.boundary.support_stiffness;
-        if !(stiffness > 0.0 && stiffness.is_finite()) {
+        if stiffness <= 0.0 {
             return Vec::new();
         }
         let port = Port {

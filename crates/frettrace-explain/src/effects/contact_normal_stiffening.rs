@@ -53,7 +53,7 @@ impl Effect for ContactNormalStiffening {
 
 /// Stiffness of the support (N/m) where it is one that can stiffen.
 fn stiffness(case: &Case) -> Option<f64> {
-    Some(case.rig.boundary.support_stiffness).filter(|stiffness| *stiffness > 0.0 && stiffness.is_finite())
+    Some(case.rig.boundary.support_stiffness).filter(|stiffness| *stiffness > 0.0)
 }
 
 /// The coefficients of a stiffening port, each of the size that changes the support's force at the preload by a tenth.

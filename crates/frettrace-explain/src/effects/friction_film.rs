@@ -66,33 +66,32 @@ impl Effect for FrictionFilm {
         let (share, exponent) = law.get(Hook::FilmExponent).map_or((0.5, 0.8), |exponent| (1.0, exponent));
         let rise = value(Hook::FilmRise);
         let time = (rise * law.get(Hook::FilmFall).unwrap_or(rise)).sqrt();
+        let lag = Change::positive(Hook::LagTime, time, 1e-3);
+        let mut plain = *law;
+        OWN.iter().for_each(|&hook| plain.clear(hook));
         if known(law, &[Hook::StribeckRise]) {
             let rest = mu + value(Hook::StribeckRise);
-            let mut law = *law;
-            OWN.iter().for_each(|&hook| law.clear(hook));
             let curve = [
                 (Hook::MuKinetic, rest * (1.0 - loss)),
                 (Hook::StribeckRise, rest * loss),
                 (Hook::StribeckVelocity, share * value(Hook::FilmVelocity)),
                 (Hook::StribeckExponent, exponent),
             ];
-            curve.into_iter().for_each(|(hook, value)| law.set(hook, value));
-            let changes = vec![Change::positive(Hook::LagTime, time, 1e-3)];
-            return vec![Simpler { id: "friction.lag", law, changes }];
+            curve.into_iter().for_each(|(hook, value)| plain.set(hook, value));
+            let changes = vec![lag];
+            return vec![Simpler { id: "friction.lag", law: plain, changes }];
         }
-        let mut law = *law;
-        OWN.iter().for_each(|&hook| law.clear(hook));
-        law.set(Hook::MuKinetic, mu * (1.0 - loss));
+        plain.set(Hook::MuKinetic, mu * (1.0 - loss));
         let curve = vec![
             Change::positive(Hook::StribeckRise, mu * loss, 1e-3),
             Change::positive(Hook::StribeckVelocity, share * value(Hook::FilmVelocity), 1e-3),
             Change::between(Hook::StribeckExponent, exponent, (0.4, 6.0)),
             Change::between(Hook::RationalShare, 0.5, (0.0, 1.0)),
         ];
-        let lag = curve.iter().cloned().chain([Change::positive(Hook::LagTime, time, 1e-3)]).collect();
+        let lagging = curve.iter().cloned().chain([lag]).collect();
         vec![
-            Simpler { id: "friction.stribeck", law, changes: curve },
-            Simpler { id: "friction.lag", law, changes: lag },
+            Simpler { id: "friction.stribeck", law: plain, changes: curve },
+            Simpler { id: "friction.lag", law: plain, changes: lagging },
         ]
     }
 

@@ -165,14 +165,13 @@ impl AccelerationModel {
         prepared: &'a Prepared,
         run: usize,
     ) -> Evaluation<'a> {
-        let stiffness = self.rig.boundary.support_stiffness;
         Evaluation {
             lines: &self.runs[run],
             setting,
             block: &prepared.block,
             layout,
             base: &prepared.base,
-            support_stiffness: if stiffness.is_finite() { stiffness } else { 0.0 },
+            support_stiffness: self.rig.boundary.support_stiffness,
             rotation: self.rig.lever.is_some(),
             grid: &self.grids[run],
             rest: setting.rests.1.get(run).map(|rest| (setting.rests.0, *rest)),

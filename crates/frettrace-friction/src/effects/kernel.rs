@@ -1,7 +1,7 @@
 //! One monotone stretch of the state equation `db/du = σ0·φ(r)`, `b = σ0·z`, `r = b·sgn(v)/μ`.
 
 use crate::law::Scalar;
-use crate::lift::{in_pairs, lift};
+use crate::lift::{in_pairs, lift, positive_part};
 
 /// `(1 − e^{−x})/x`, also for `x → 0`.
 pub(super) fn decay_mean<T: Scalar>(x: T) -> T {
@@ -150,10 +150,7 @@ pub(super) fn closing<T: Scalar>(mut place: T, power: T, mut xi: T) -> T {
     }
     let count = (xi.re() * power.re().max(4.0)).ceil().max(1.0);
     let h = xi / count;
-    let flow = |y: T| {
-        let open = if y.re() > 0.0 { y } else { T::from(0.0) };
-        -taken(open, power) + 1.0
-    };
+    let flow = |y: T| -taken(positive_part(y), power) + 1.0;
     runge_kutta(place, (h, count), flow)
 }
 

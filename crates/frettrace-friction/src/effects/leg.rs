@@ -6,6 +6,7 @@ use super::kernel::{bent, elasto_plastic, power, relax, rise};
 use super::modified::{Circumstance, End, ModifiedLaw, Stretch, sense};
 use crate::bristle::Friction;
 use crate::law::{Scalar, Stroke};
+use crate::lift::positive_part;
 
 /// A monotone stretch: its start, the place at half its time, its end.
 pub(super) struct Leg<T> {
@@ -142,14 +143,13 @@ impl<T: Scalar> Part<T> {
         // The spring carries N·b and is c·N·b long: db = σ0 φ (du − c b dN)/(1 + σ0 φ N c), with the rate at mid-stretch, predicted by
         // half a stretch. An open contact carries nothing, and its spring is as long as unloaded.
         let compliance = law.at(Hook::SeriesCompliance);
-        let [from, to] = self.normal.map(|normal| if normal.re() > 0.0 { normal } else { T::from(0.0) });
+        let [from, to] = self.normal.map(positive_part);
         let stiffness = law.at(Hook::Sigma0) * (from + to) * 0.5 * compliance;
         let pushed = |at: T, share: f64| {
             let driven = self.slip - compliance * at * (to - from);
             let sign = sense(driven);
-            let rate = law.yielding(at * sign / mean);
             // A bristle that returns from beyond its limit does so by its own root, not by the spring.
-            let rate = if rate.re() > 0.0 { rate } else { T::from(0.0) };
+            let rate = positive_part(law.yielding(at * sign / mean));
             let xi = reach * driven.abs() / (stiffness * rate + 1.0) * share;
             self.by(law, b, (sign, xi))
         };

@@ -10,6 +10,7 @@ use super::hooks::{HOOKS, Hook};
 use super::kernel::{closing, relax, taken};
 use super::leg::Leg;
 use crate::law::{FrictionLaw, Scalar, Step};
+use crate::lift::positive_part;
 
 /// What a step needs to know beside the motion of the contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,7 +110,7 @@ impl<T: Scalar> ModifiedLaw<T> {
 
     /// Force at one end, of which `friction` gives the friction coefficient, without the force lag.
     pub(super) fn force(&self, b: T, end: &End<T>, velocity: T, friction: impl FnOnce() -> T) -> T {
-        let pressed = if end.normal.re() > 0.0 { end.normal } else { T::from(0.0) };
+        let pressed = positive_part(end.normal);
         let mut ratio = b;
         if self.on(Hook::BristleAsymmetry) {
             let side = b / (self.at(Hook::BristleTurn) * self.at(Hook::MuKinetic));
@@ -176,8 +177,7 @@ impl<T: Scalar> ModifiedLaw<T> {
         let ratio = b * sense(velocity) / friction;
         let mut rate = self.yielding(ratio);
         if self.on(Hook::DampingStuck) {
-            let left = -ratio.abs() + 1.0;
-            let stuck = if left.re() > 0.0 { left } else { T::from(0.0) };
+            let stuck = positive_part(-ratio.abs() + 1.0);
             rate += (stuck - rate) * self.at(Hook::DampingStuck);
         }
         let given = self.at(Hook::Sigma0) * normal * self.at(Hook::SeriesCompliance);

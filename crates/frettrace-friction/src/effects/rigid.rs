@@ -3,6 +3,7 @@
 use super::hooks::Hook;
 use super::modified::{Circumstance, End, ModifiedLaw, ModifiedState, sense};
 use crate::law::{Scalar, Step};
+use crate::lift::positive_part;
 
 impl<T: Scalar> ModifiedLaw<T> {
     /// Whether the law has a presliding range of its own: only without one can its bristle be taken as rigid.
@@ -48,7 +49,7 @@ impl<T: Scalar> ModifiedLaw<T> {
         let beside = self.force(zero, place, velocity, || friction(sense(velocity)));
         let wanted = trial - beside;
         let sign = sense(wanted);
-        let pressed = if place.normal.re() > 0.0 { place.normal } else { zero };
+        let pressed = positive_part(place.normal);
         let limit = friction(sign) * pressed;
         let held = if wanted.re().abs() < limit.re() { wanted } else { limit * sign };
         let b = if pressed.re() > 0.0 { held / pressed } else { zero };

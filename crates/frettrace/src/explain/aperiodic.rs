@@ -75,7 +75,7 @@ fn beside_base(
         let Some(WholeRun { dt, found, .. }) = run else { continue };
         let turn = tone.omega * *dt;
         let speed = motion.slip * Complex64::new(0.0, tone.omega);
-        let normal = if stiffness.is_finite() { -motion.end * stiffness } else { Complex64::ZERO };
+        let normal = -motion.end * stiffness;
         let parts =
             [(&mut found.slip, motion.slip), (&mut found.velocity, speed), (&mut found.normal, normal)];
         for (signal, amplitude) in parts {

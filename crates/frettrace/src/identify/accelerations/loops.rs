@@ -120,7 +120,7 @@ impl RunLoop {
             .map(|h| h > 0 && balance.force[h].norm() > 3.0 * balance.force_deviation[h])
             .collect();
         let stiffness = case.rig.boundary.support_stiffness;
-        let turns = case.rig.lever.is_some() && stiffness.is_finite();
+        let turns = case.rig.lever.is_some();
         let driven = |h: usize| lines.force[h] != Complex64::ZERO;
         let of = |value: &dyn Fn(usize) -> Complex64| -> Vec<Complex64> {
             (0..=order).map(|h| if h == 0 { Complex64::ZERO } else { value(h) }).collect()
