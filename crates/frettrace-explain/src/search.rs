@@ -356,7 +356,7 @@ impl Study<'_> {
     }
 
     /// One effect more in a model, with the whole of it.
-    fn with_effect(
+    pub(crate) fn with_effect(
         &self,
         from: &Explained,
         setting: Setting,

@@ -20,3 +20,14 @@ fn another_laboratorys_formula_has_the_effects_name() {
         assert!(before > 1.5 && after < 1.1, "{effect}: {before} {after}");
     }
 }
+
+/// A spring beside the contact, 270 times as soft as its bristles: the recovered contacts take it for another frequency, within what is declared of
+/// the modes. It had been named a mass of −0.2 g on the beam.
+#[test]
+fn a_weak_spring_beside_the_contact_is_no_mass() {
+    let spring = "[[effect]]\nid = \"contact.tangential-stiffness/parallel\"\nstiffness_n_per_m = 1e5\n";
+    let found = explained(measured(spring, 1.0, |_| {}));
+    assert_eq!(named(&found), ["contact.tangential-stiffness"]);
+    let [low, high] = found.effects[0].parameters["parallel_stiffness"].interval95;
+    assert!(low < 1e5 && 1e5 < high && high - low < 5e4, "{low} {high}");
+}

@@ -5,7 +5,7 @@ use super::finer::{MOST_TAKEN, NEAR};
 use super::{BALANCE_CALIBRATED, BALANCE_CLOSED, EVIDENCE, PROXY, Rival, Search, Tried};
 use crate::balance_fit::BalanceCandidate;
 use crate::contact_search::ContactCandidate;
-use crate::effects::{ALL, EffectPlace, StructureForm, listed};
+use crate::effects::{ALL, ContactForm, EffectPlace, StructureForm, apply, listed};
 use crate::force_laws::{CUBIC_BELOW, thresholds};
 use crate::search::{Asked, Explained};
 use crate::study::merge;
@@ -23,6 +23,13 @@ const TOGETHER: usize = 60;
 /// Displacement at which a cubic spring yields, over the largest on the beam: the least, where a fit starts, and the most. One that yields below
 /// half the motion is a linear one.
 const YIELDS: [f64; 3] = [0.5, 1.5, CUBIC_BELOW];
+
+/// Steps of a fit of an effect of the contact with the whole model.
+const STEPS: usize = 30;
+
+/// Effects of the contact whose force is that of a spring or a dashpot: recovered with what is declared of the structure, to its deviations, the contacts
+/// take it for another frequency or damping, while the lines of the whole model near a resonance are off by many times their noise.
+const LIKE_A_STRUCTURE: [&str; 2] = ["contact.tangential-stiffness", "friction.viscous"];
 
 /// Share of the largest motion over which a corner is rounded where a fit of it starts.
 const CORNER: f64 = 0.2;
@@ -96,7 +103,8 @@ impl Search<'_> {
         }
     }
 
-    /// The best effect outside the contact of those whose tangents promise enough, with the whole model.
+    /// The best effect outside the contact of those whose tangents promise enough, and of those of the contact that may hide in the structure, with the
+    /// whole model.
     pub(super) fn hidden(&mut self, current: &Explained) -> Option<Explained> {
         let study = self.coarse.as_ref().map_or(&self.study, |(study, _)| study);
         let candidates = study.tangent_candidates(current);
@@ -108,9 +116,36 @@ impl Search<'_> {
         }));
         let worth = |c: &&BalanceCandidate| c.criterion + EVIDENCE < plain;
         let worthy: Vec<&BalanceCandidate> = candidates.iter().filter(worth).collect();
-        let asked = worthy.par_iter().map(|c| self.asked(current, c)).collect();
+        let outside = worthy.par_iter().map(|c| self.asked(current, c));
+        let of_contact = self.like_a_structure(current);
+        let of_contact = of_contact.par_iter().map(|(effect, form)| self.in_contact(current, *effect, form));
+        let asked = outside.chain(of_contact).collect();
         let found = self.answered(asked);
         self.take_best(current, found)
+    }
+
+    /// Forms of the effects of the contact that may hide in the structure, of those that no whole model was asked with yet.
+    fn like_a_structure(&self, current: &Explained) -> Vec<(usize, ContactForm)> {
+        let is_new = |effect: &usize| {
+            let id = ALL[*effect].id();
+            let known = self.tried.iter().any(|tried| tried.id == id && tried.error.is_finite());
+            !known && !current.effects.contains(effect) && self.study.case.allows(id)
+        };
+        let effects = LIKE_A_STRUCTURE.iter().filter_map(|id| listed(id)).filter(is_new);
+        let forms = |effect: usize| {
+            let forms = ALL[effect].contact_forms(&current.fitted.setting.law, &self.study.scales);
+            forms.into_iter().map(move |form| (effect, form))
+        };
+        effects.flat_map(forms).collect()
+    }
+
+    /// The whole model with a form of an effect of the contact, from where that begins.
+    fn in_contact(&self, current: &Explained, effect: usize, form: &ContactForm) -> Asked {
+        let mut setting = current.fitted.setting.clone();
+        let brought = apply(&form.changes, &mut setting.law);
+        let known = merge(&self.study.case.unknowns(), &current.added);
+        let unknowns = merge(&known, &brought);
+        Asked { effect, answer: self.study.with_effect(current, setting, (effect, &unknowns), STEPS) }
     }
 
     /// Damping of a place by the square of the velocity with any power about it, and a cubic spring there with a yield, where that explains
