@@ -119,7 +119,8 @@ impl<'a> Begun<'a> {
         }
         search.study.silence(&baseline.fitted.setting.law);
         search.before = search.errors_as_read(&baseline);
-        search.within_method = !baseline.complete() && search.within_method(&baseline);
+        search.within_method =
+            !baseline.complete() && (search.within_method(&baseline) || search.foretells_within_grid(&baseline));
         let baseline = search.study.with_deviations(&baseline);
         Ok(Self { search, baseline })
     }

@@ -1,6 +1,6 @@
 //! Fits to their end: further steps, finer phase grids, the further values of a shape.
 
-use super::{BORNE_OUT, EVIDENCE, Search};
+use super::{BORNE_OUT, EVIDENCE, FORETOLD, Search};
 use crate::effects::{ALL, shaped};
 use crate::left::LeftLines;
 use crate::search::{Explained, excess};
@@ -111,7 +111,15 @@ impl Search<'_> {
         slight && self.by_method(model, training)
     }
 
-    /// The same of the runs held out too: what a finer grid takes from those is no reason to stay with a coarser one.
+    /// Whether a model with a rigid contact foretells runs that nothing was fitted to within the noise, and leaves in those that it was fitted to no more than
+    /// their phase grid may be wrong by.
+    pub(super) fn foretells_within_grid(&self, model: &Explained) -> bool {
+        let foretold = !self.study.held_out.is_empty() && self.held_out_ratio(model) <= FORETOLD;
+        foretold && model.ratio <= BORNE_OUT && self.is_of_grid(model)
+    }
+
+    /// Whether what a model with a rigid contact leaves is no more than its balance may be wrong by in the runs held out too: what a finer grid takes
+    /// from those is no reason to stay with a coarser one.
     fn tells_all_it_can(&self, model: &Explained) -> bool {
         let held_out = &self.study.held_out;
         let borne_out =
