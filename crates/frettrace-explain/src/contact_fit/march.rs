@@ -25,6 +25,7 @@ impl Recovered {
             modulation,
             modulation_phase: modulation as f64 * self.base_phase,
             deflection: None,
+            drift: 0.0,
         }
     }
 

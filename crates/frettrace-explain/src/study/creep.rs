@@ -3,9 +3,12 @@
 //! A bristle that is elastic up to its breakaway keeps the deflection `z₀` that it came to when a run last slid, or creeps from it for thousands
 //! of periods, by less than any record shows. Under a preload that does not change that is a constant force, which no accelerometer sees; a
 //! modulated one puts it on the modulation's line. `z₀` is then a value of the run, and that run alone tells it: its χ² is nearly a parabola
-//! in it. A contact that would lose more of it in a period than a record could hide has settled, whatever χ² says. Along a given motion it
+//! in it. Where the bristle yields at one end of its motion more than at the other for it, it makes even harmonics, which every accelerometer sees.
+//! A contact that would lose more of it in a period than a record could hide has settled, whatever χ² says. Along a given motion it
 //! loses a share `r` in a period; on the beam, which follows its mean force with the static compliance `R₀`, `r/(1 + R₀ P σ₀)`: what the
-//! bristle gives way the beam takes up, and a soft beam keeps a contact from settling for long.
+//! bristle gives way the beam takes up ([`ModifiedLaw::drift`]), and a soft beam keeps a contact from settling for long.
+//!
+//! [`ModifiedLaw::drift`]: frettrace_friction::effects::ModifiedLaw::drift
 
 use super::{Fitted, Predicted, Study};
 use crate::search::Explained;
@@ -21,14 +24,15 @@ const DISTANCES: [f64; 3] = [0.2, 0.05, 0.02];
 const FARTHEST: f64 = 5.0;
 /// χ² by which a run must tell that its contact has not settled.
 const TELLS: f64 = 9.0;
-/// Share of its distance from where it would settle that such a contact loses in a period at most: half of it in seventy.
+/// Share of its distance from where it would settle that such a contact loses in a period at most: half of it in seventy …
 const CREEPS: f64 = 0.01;
+/// … or a part of it in a record, over which its lines are those of the middle.
+const LOSES: f64 = 0.5;
 
-/// Deflection at which a law breaks away, where an accelerometer sees what it never forgets.
+/// Deflection at which a law breaks away: what it came to below that it never forgets.
 pub(crate) fn breaks_away(setting: &Setting) -> Option<f64> {
     let law = &setting.law;
     let share = law.get(Hook::Breakaway).filter(|share| *share > 0.0)?;
-    law.get(Hook::ModulationCosine)?;
     Some(share * law.get(Hook::MuKinetic)?)
 }
 
@@ -104,8 +108,11 @@ impl Study<'_> {
         let Ok(balances) = self.model.balance(setting, &[run]) else { return false };
         let sigma0 = setting.law.get(Hook::Sigma0).unwrap_or_default();
         let give: f64 = balances.iter().map(|balance| balance.slip_gain[0].re.abs()).sum();
-        let slower = 1.0 + give * self.model.runs[run].preload * sigma0;
-        creeping(&self.contact_history(model, setting, run), settled, slower)
+        let (lines, record) = (&self.model.runs[run], &self.case.records[run]);
+        let slower = 1.0 + give * lines.preload * sigma0;
+        let periods = record.samples as f64 / record.sampling_rate * lines.omega / std::f64::consts::TAU;
+        let most = slower * CREEPS.max(LOSES / periods);
+        creeping(&self.contact_history(model, setting, run), settled, most)
     }
 
     /// What the contact does in a run with other values than a fitted model has, from its motions; `None` where the balance does not close.
@@ -114,10 +121,10 @@ impl Study<'_> {
     }
 }
 
-/// Whether a contact that begins its period away from where it would settle stays there for long, on a beam that slows it down by a factor.
-fn creeping(away: &Option<ContactHistory>, settled: &Option<ContactHistory>, slower: f64) -> bool {
+/// Whether a contact that begins its period away from where it would settle loses at most a share of that in a period of a motion that repeats.
+fn creeping(away: &Option<ContactHistory>, settled: &Option<ContactHistory>, most: f64) -> bool {
     let Some((away, settled)) = away.as_ref().zip(settled.as_ref()) else { return false };
-    away.creep.abs() <= CREEPS * slower * (away.deflection - settled.deflection).abs()
+    away.creep.abs() <= most * (away.deflection - settled.deflection).abs()
 }
 
 /// Where a parabola through values at −1, 0 and 1 is lowest; 0 where it is lowest nowhere, or where a value is without bound.
@@ -149,23 +156,21 @@ mod tests {
             |deflection: f64, creep: f64| Some(ContactHistory { deflection, creep, ..Default::default() });
         let settled = at(0.15, 0.0);
         let away = at(0.16, -3e-4);
-        assert!(!creeping(&away, &settled, 1.0) && creeping(&away, &settled, 25.0));
-        assert!(creeping(&at(0.14, 0.0), &settled, 1.0));
+        assert!(!creeping(&away, &settled, 1.0 * CREEPS) && creeping(&away, &settled, 25.0 * CREEPS));
+        assert!(creeping(&at(0.14, 0.0), &settled, 1.0 * CREEPS));
         // A contact that forgets within its period has settled, and where no balance closes nothing is known.
-        assert!(!creeping(&at(0.16, -0.01), &settled, 25.0));
-        assert!(!creeping(&None, &settled, 25.0) && !creeping(&away, &None, 25.0));
+        assert!(!creeping(&at(0.16, -0.01), &settled, 25.0 * CREEPS));
+        assert!(!creeping(&None, &settled, 25.0 * CREEPS) && !creeping(&away, &None, 25.0 * CREEPS));
     }
 
-    /// Only a bristle that is elastic up to its breakaway keeps what it came to, and only a modulated preload shows it.
+    /// Only a bristle that is elastic up to its breakaway keeps what it came to.
     #[test]
-    fn a_mean_that_is_kept_shows_under_a_modulated_preload() {
+    fn a_bristle_with_a_breakaway_keeps_what_it_came_to() {
         let mut setting = Setting::new(Vec::new(), Vec::new(), ModifiedLaw::dahl(1e5, 0.4), 1);
-        assert_eq!(breaks_away(&setting), None);
-        setting.law.set(Hook::ModulationCosine, 0.1);
         assert_eq!(breaks_away(&setting), None);
         setting.law.set(Hook::Breakaway, 0.25);
         assert_eq!(breaks_away(&setting), Some(0.1));
-        setting.law.clear(Hook::ModulationCosine);
+        setting.law.set(Hook::Breakaway, 0.0);
         assert_eq!(breaks_away(&setting), None);
     }
 }

@@ -11,6 +11,8 @@ pub(super) struct Motion {
     pub normal: Vec<f64>,
     /// Force that a rigid contact takes as long as it holds; empty where the contact yields.
     pub trial: Vec<f64>,
+    /// Slip (m) that a contact with a deflection of its own gains in the period beside that ([`ModifiedLaw::drift`]).
+    pub drift: f64,
 }
 
 /// The law in the circumstances of a run.
@@ -77,7 +79,13 @@ impl Contact<'_> {
             modulation: self.modulation,
             modulation_phase: self.modulation_phase,
             deflection: self.deflection,
+            drift: motion.drift,
         }
+    }
+
+    /// The slip that a contact with a deflection of its own gains in a period.
+    pub fn drift(&self, motion: &Motion) -> f64 {
+        if self.deflection.is_some() { self.law.drift(&self.along(motion)) } else { 0.0 }
     }
 
     /// The force over the settled period, and the state with which that starts.
@@ -85,9 +93,9 @@ impl Contact<'_> {
         self.law.settle(&self.along(motion), force)
     }
 
-    /// What the deflection gains in a period.
+    /// What the deflection would gain in a period of a motion that repeats.
     pub fn creep(&self, motion: &Motion) -> f64 {
-        self.law.creep(&self.along(motion))
+        self.law.creep(&Periodic { drift: 0.0, ..self.along(motion) })
     }
 
     /// Local derivatives of every step of the settled period, and those of the state with which it starts.

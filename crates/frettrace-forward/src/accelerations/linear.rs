@@ -46,7 +46,7 @@ impl<'a> Tangent<'a> {
         let response = Response::new(
             &locals,
             &begun,
-            (evaluation.setting.law.states(), evaluation.deflection.is_some()),
+            (evaluation.setting.law.states(), evaluation.deflection.is_some(), evaluation.contact().dt),
         );
         Self { evaluation, locals, begun, ports, response }
     }

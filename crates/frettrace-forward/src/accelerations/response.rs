@@ -11,7 +11,8 @@ pub(super) struct Response {
     used: usize,
     /// One step after the other: the force's derivatives by motion and states, then those of each new state.
     rows: Vec<f64>,
-    /// Change of the force at each sample by each initial state.
+    /// Change of the force at each sample by each initial state. The first of them is held where the contact has not settled: in its place stands
+    /// the slip gained in the period, which brings it back to what it was.
     initial: Vec<[f64; STATES]>,
     /// What the period does to each initial state.
     period: Monodromy,
@@ -61,7 +62,7 @@ impl<const L: usize> Moves<'_, L> {
 
 impl Response {
     /// The response of a law that uses the first `used` states; the first of them may be `held` at the start.
-    pub fn new(locals: &[Local], begun: &Begun, (used, held): (usize, bool)) -> Self {
+    pub fn new(locals: &[Local], begun: &Begun, (used, held, dt): (usize, bool, f64)) -> Self {
         let mut rows = Vec::with_capacity(locals.len() * (1 + used) * (MOTIONS + used));
         for local in locals {
             for gradient in std::iter::once(&local.force).chain(local.state.iter().take(used)) {
@@ -74,25 +75,39 @@ impl Response {
         let begun = std::array::from_fn(|i| by_motion(&begun[i]));
         let mut response = Self { used, rows, initial, period: Monodromy::new(0, |_, _| 0.0), begun };
         response.period = match used {
-            1 => response.run_through::<1>(held),
-            2 => response.run_through::<2>(held),
-            3 => response.run_through::<3>(held),
-            _ => response.run_through::<STATES>(held),
+            1 => response.run_through::<1>((held, dt)),
+            2 => response.run_through::<2>((held, dt)),
+            3 => response.run_through::<3>((held, dt)),
+            _ => response.run_through::<STATES>((held, dt)),
         };
         response
     }
 
-    /// What each initial state alone, a direction each, does over the period; one that is held at the start stays what it is.
-    fn run_through<const M: usize>(&mut self, held: bool) -> Monodromy {
+    /// What each initial state alone, a direction each, does over the period. The change of one that is held at the start ends as it began, at nothing,
+    /// by the slip that is gained: the step `x₀ = x₀ + D₀δ + Σ P₀ⱼxⱼ` of a state whose map by itself were `1 + D₀`.
+    fn run_through<const M: usize>(&mut self, (held, dt): (bool, f64)) -> Monodromy {
         let samples = self.initial.len();
-        let mut state: [[f64; M]; M] =
-            std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
+        let unit = |i: usize, j: usize| f64::from(u8::from(i == j && !(held && i == 0)));
+        let mut state: [[f64; M]; M] = std::array::from_fn(|i| std::array::from_fn(|j| unit(i, j)));
         for k in 0..samples {
             let next = if k + 1 == samples { 0 } else { k + 1 };
-            let force = self.step(k, next, &Moves::STILL, &mut state);
+            let mut force = self.step(k, next, &Moves::STILL, &mut state);
+            if held {
+                let gained = [k, k + 1].map(|k| k as f64 / samples as f64);
+                let faster = [1.0 / (samples as f64 * dt); 2];
+                let by_drift = |row: &[f64]| {
+                    row[..4].iter().zip(gained.iter().chain(&faster)).map(|(by, moved)| by * moved).sum::<f64>()
+                };
+                let width = MOTIONS + M;
+                let mut rows = self.rows[k * (1 + M) * width..].chunks_exact(width).map(by_drift);
+                force[0] += rows.next().unwrap_or_default();
+                for (state, by) in state.iter_mut().zip(rows) {
+                    state[0] += by;
+                }
+            }
             self.initial[next][..M].copy_from_slice(&force);
         }
-        Monodromy::new(M, |i, j| if held && i == 0 { f64::from(u8::from(j == 0)) } else { state[i][j] })
+        Monodromy::new(M, |i, j| state[i][j] + f64::from(u8::from(held && i == 0 && j == 0)))
     }
 
     /// Change of the force after step `k`; moves the change of the state. `M` states are used, in `L` directions: known when

@@ -225,6 +225,7 @@ impl Evaluation<'_> {
                 *trial += resistance * v;
             }
         }
+        state.contact.drift = self.contact().drift(&state.contact);
         let mut friction = vec![0.0; self.grid.samples()];
         state.start = Some(self.contact().start(&state.contact, &mut friction));
         state.forces = std::iter::once(friction).chain(port_forces).collect();

@@ -46,6 +46,9 @@ pub struct Periodic<'a> {
     /// Deflection (in units of the friction coefficient) with which the period begins, where the contact has not settled: one that creeps by
     /// little in a period moves as if it had, for long. `None` where it has.
     pub deflection: Option<f64>,
+    /// Slip (m) that such a contact gains in the period beside the motion that repeats ([`ModifiedLaw::drift`]): what the bristle would lose, the
+    /// structure that holds it follows with.
+    pub drift: f64,
 }
 
 impl Periodic<'_> {
@@ -59,7 +62,14 @@ impl Periodic<'_> {
     #[must_use]
     pub fn step(&self, k: usize) -> Step<f64> {
         let ends = |series: &[f64]| [series[k], series[self.next(k)]];
-        Step { slip: ends(self.slip), velocity: ends(self.velocity), normal: ends(self.normal), dt: self.dt }
+        let [mut slip, mut velocity] = [self.slip, self.velocity].map(ends);
+        if self.drift != 0.0 {
+            let gained = self.drift / self.slip.len() as f64;
+            slip[0] += gained * k as f64;
+            slip[1] += gained * (k + 1) as f64;
+            velocity.iter_mut().for_each(|v| *v += gained / self.dt);
+        }
+        Step { slip, velocity, normal: ends(self.normal), dt: self.dt }
     }
 
     /// What a law needs to know of that step beside its motion.
@@ -147,6 +157,32 @@ impl ModifiedLaw<f64> {
         end - start.0[0]
     }
 
+    /// Slip (m) that a contact with a deflection of its own ([`Periodic::deflection`]) gains in a period, in which the deflection comes back to what it
+    /// was: a soft structure follows its mean force, so that a bristle that would lose a part of it in every period loses
+    /// `1 + R₀Pσ₀` times less. 0 where the contact has settled, where it loses nothing, and where play takes the slip up.
+    ///
+    /// `z(T; δ) = z₀` is solved by the secant, begun with the bristle's own stiffness, `δ = (z₀ − z(T; 0))/σ₀`.
+    #[must_use]
+    pub fn drift(&self, along: &Periodic<'_>) -> f64 {
+        let plain = Periodic { drift: 0.0, ..*along };
+        let sigma0 = self.get(Hook::Sigma0).unwrap_or_default();
+        let lost = -self.creep(&plain);
+        if lost.abs() <= NONE || sigma0 <= 0.0 || self.on(Hook::Backlash) {
+            return 0.0;
+        }
+        let left = |drift: f64| self.creep(&Periodic { drift, ..plain });
+        let (mut before, mut drift) = ([0.0, -lost], lost / sigma0);
+        for _ in 0..PERIODS {
+            let now = left(drift);
+            let next = drift - now * (drift - before[0]) / (now - before[1]);
+            if now.abs() <= SETTLED * lost.abs() || !next.is_finite() {
+                break;
+            }
+            (before, drift) = ([drift, now], next);
+        }
+        drift
+    }
+
     /// A contact that is not set-valued at rest; the deflection with which its period ends, too.
     fn settle_yielding(&self, along: &Periodic<'_>, force: &mut [f64]) -> (ModifiedState<f64>, f64) {
         let begun = self.begun((along.slip[0], along.velocity[0], along.normal[0]), along);
@@ -162,9 +198,9 @@ impl ModifiedLaw<f64> {
         let circumstance = along.circumstance(self, 0);
         for (k, &last) in of_step.iter().enumerate() {
             let (next, leg) = (along.next(k), &legs[last]);
-            let velocity = along.velocity[next];
+            let Step { slip: [_, slip], velocity: [_, velocity], .. } = along.step(k);
             let normal = self.pressed(along, next);
-            let end = End { memory: leg.ends[2].memory, ..self.place(along.slip[next], (velocity, normal)) };
+            let end = End { memory: leg.ends[2].memory, ..self.place(slip, (velocity, normal)) };
             let known = self.joins() && leg.sign == sense(velocity);
             let friction = || {
                 if known { rubbed.friction[k] } else { self.friction(&end, sense(velocity), &circumstance) }

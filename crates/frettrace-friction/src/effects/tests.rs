@@ -577,6 +577,7 @@ impl Course {
             modulation: 3,
             modulation_phase: 0.7,
             deflection: None,
+            drift: 0.0,
         }
     }
 }
@@ -649,6 +650,49 @@ fn a_period_may_begin_with_a_deflection_of_its_own() {
             assert!(deflection != settled || creep.abs() < 1e-8, "law {number}: {creep:.1e}");
         }
     }
+}
+
+/// Where a contact gains slip beside its motion, the deflection of its own comes back to what it was, and the force is that of the march. A bristle that
+/// forgets little gains what it would have lost over its stiffness; one that has settled gains nothing, and neither does one with play.
+#[test]
+fn a_contact_that_gains_slip_keeps_its_deflection() {
+    let course = Course::new(1e-6);
+    let plain = course.along(false);
+    let mut drifting = 0;
+    for (number, law) in zoo().into_iter().enumerate() {
+        let settled = law.settle(&plain, &mut vec![0.0; SAMPLES]).0[0];
+        let at = |deflection: f64| {
+            let away = Periodic { deflection: Some(deflection), ..plain };
+            (law.drift(&away), Periodic { drift: law.drift(&away), ..away }, law.creep(&away))
+        };
+        let (none, ..) = at(settled);
+        assert!(none.abs() < 1e-14, "law {number}: {none:.1e} m");
+        let (drift, along, creep) = at(settled + 0.03);
+        if law.get(Hook::Backlash).is_some() {
+            assert_eq!(drift, 0.0, "law {number}");
+            continue;
+        }
+        if law.get(Hook::ForceLag).is_some() {
+            continue;
+        }
+        drifting += usize::from(drift != 0.0);
+        let mut force = vec![0.0; SAMPLES];
+        let mut state = law.settle(&along, &mut force);
+        let mut marched = vec![0.0; SAMPLES];
+        for k in 0..SAMPLES {
+            (state, marched[along.next(k)]) =
+                law.advance(state, &along.step(k), &along.circumstance(&law, k));
+        }
+        let apart = force.iter().zip(&marched).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart < 1e-8 * 20.0, "law {number}: {apart:.1e} N");
+        let kept = state.0[0] - along.deflection.unwrap_or_default();
+        assert!(kept.abs() < 1e-8 * creep.abs() + 1e-11, "law {number}: {kept:.1e} of {creep:.1e}");
+        if drift != 0.0 && creep.abs() < 1e-3 {
+            let stiffness = law.get(Hook::Sigma0).unwrap();
+            assert!(drift * stiffness > -0.9 * creep, "law {number}: {drift:.1e} m, {creep:.1e}");
+        }
+    }
+    assert!(drifting > 3, "{drifting}");
 }
 
 /// Steps along one motion that share their ends are the steps one by one, derivatives included, but for rounding.
