@@ -7,10 +7,10 @@
 //! changes by `δ` on a grid with twice the lines moves them by `−C Jᵀδ` to first order. Twice the lines divide the error by about
 //! three, so that all finer grids together move them by half as much again.
 
-use crate::Study;
 use crate::search::Explained;
 use crate::study::Fitted;
-use frettrace_identify::{Fit, Model};
+use crate::{Study, Unknown};
+use frettrace_identify::{Fit, HALF_INTERVAL95, Model};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// How far all finer grids move a value, over what the next one does: `1/(1 − 1/3)`.
@@ -111,6 +111,18 @@ impl Study<'_> {
         let mut doubted = model.clone();
         self.doubt_values(&mut doubted);
         doubted
+    }
+
+    /// Whether what an effect of a model has brought is nothing within these deviations, all of it.
+    pub(crate) fn is_nothing(&self, model: &Explained, place: usize) -> bool {
+        let doubted = self.doubted(model);
+        let within = |unknown: &Unknown| {
+            let deviation = doubted.deviation(unknown.quantity);
+            let value = model.fitted.setting.get(unknown.quantity);
+            value.is_some_and(|value| value.abs() <= HALF_INTERVAL95 * deviation)
+        };
+        let own = model.own(place);
+        !own.is_empty() && own.iter().all(within)
     }
 
     fn curvature(&self, Fitted { setting, unknowns, memory, fit, .. }: &Fitted) -> Option<Curvature> {

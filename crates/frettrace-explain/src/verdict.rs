@@ -7,7 +7,6 @@ use crate::study::as_declared;
 use crate::{ExplainError, RunError, Study, Unknown};
 use frettrace_forward::accelerations::Setting;
 use frettrace_friction::effects::ModifiedLaw;
-use frettrace_identify::HALF_INTERVAL95;
 use rayon::prelude::*;
 
 mod asked_again;
@@ -417,14 +416,7 @@ impl Search<'_> {
     /// A complete model whose only effect is nothing within its deviations is the declared one, though a balance has no answer with the effect taken
     /// out and all else as it is.
     fn unnamed(&mut self, model: &Explained) -> Option<Explained> {
-        let doubted = self.study.doubted(model);
-        let within = |unknown: &Unknown| {
-            let deviation = doubted.deviation(unknown.quantity);
-            let value = model.fitted.setting.get(unknown.quantity);
-            value.is_some_and(|value| value.abs() <= HALF_INTERVAL95 * deviation)
-        };
-        let own = model.own(0);
-        if !model.complete() || own.is_empty() || !own.iter().all(within) {
+        if !model.complete() || !self.study.is_nothing(model, 0) {
             return None;
         }
         self.notes.push(format!(

@@ -119,8 +119,8 @@ impl<'a> Begun<'a> {
         }
         search.study.silence(&baseline.fitted.setting.law);
         search.before = search.errors_as_read(&baseline);
-        search.within_method =
-            !baseline.complete() && (search.within_method(&baseline) || search.foretells_within_grid(&baseline));
+        search.within_method = !baseline.complete()
+            && (search.within_method(&baseline) || search.foretells_within_grid(&baseline));
         let baseline = search.study.with_deviations(&baseline);
         Ok(Self { search, baseline })
     }
@@ -214,7 +214,14 @@ impl<'a> Begun<'a> {
             search.before = search.errors_as_read(&baseline);
         }
         let model = search.in_the_form_that_foretells(&baseline, model);
-        let model = search.against_outsiders(&baseline, model);
+        let mut model = search.against_outsiders(&baseline, model);
+        if let Some(plain) = search.without_the_grids_name(&baseline, &model) {
+            model = plain;
+            if model.effects.is_empty() {
+                baseline = model.clone();
+                search.before = search.errors_as_read(&baseline);
+            }
+        }
         let model = search.with_lift_off(model);
         let baseline = search.study.with_deviations(&baseline);
         Ok(Found { begun, search, baseline, model })

@@ -104,6 +104,34 @@ impl Search<'_> {
         better.map_or(current, |better| self.further(better, lacked))
     }
 
+    /// A model without its last name, on a finer grid, where that takes all that the name says to nothing and the model follows the runs there without it: what a
+    /// coarse grid leaves is bent to something by any effect that has a value to bend.
+    pub(super) fn without_the_grids_name(
+        &mut self,
+        baseline: &Explained,
+        model: &Explained,
+    ) -> Option<Explained> {
+        let last = model.effects.len().checked_sub(1)?;
+        if self.refined >= most_refined(model) || !self.study.is_nothing(model, last) {
+            return None;
+        }
+        let finer = self.study.refined().ok()??;
+        // The declared model from where the name has led to as well: it may have come to rest in another valley.
+        let reduced = finer.polished(model).ok().and_then(|sharper| finer.without(&sharper, last));
+        let declared = if last == 0 { on_finer(&finer, baseline) } else { None };
+        let follows =
+            |one: &Explained| one.left().is_near_noise() && (one.complete() || self.traces_a_curve(one));
+        let plain = reduced.into_iter().chain(declared).filter(follows);
+        let plain = plain.min_by(|a, b| a.criterion.total_cmp(&b.criterion))?;
+        let id = ALL[model.effects[last]].id();
+        self.notes
+            .push(format!("{id} is what a coarser phase grid left: on a finer one nothing asks for it"));
+        self.study = finer;
+        self.refined += 1;
+        self.rivals.clear();
+        Some(plain)
+    }
+
     /// Whether what a model with a rigid contact leaves beside the noise is no more than its balance may be wrong by.
     pub(super) fn within_method(&self, model: &Explained) -> bool {
         let training = &self.study.training;

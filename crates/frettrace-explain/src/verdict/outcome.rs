@@ -198,7 +198,7 @@ impl Search<'_> {
     }
 
     /// Whether a model with a sensor that saturates leaves no more than a trace of what that read wrong.
-    fn traces_a_curve(&self, model: &Explained) -> bool {
+    pub(super) fn traces_a_curve(&self, model: &Explained) -> bool {
         model.worst <= OTHER_FORMULA && self.is_trace_of_a_curve(0, model.excess())
     }
 

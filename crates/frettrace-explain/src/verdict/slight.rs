@@ -77,7 +77,7 @@ impl Search<'_> {
         if !current.left().is_noise() {
             return None;
         }
-        let told = self.study.with_deviations(current);
+        let told = self.study.doubted(current);
         let fitted = &told.fitted;
         let declared = fitted.unknowns.iter().filter(|u| matches!(u.quantity, Quantity::ModeFrequency(_)));
         let off = |unknown: &Unknown| {

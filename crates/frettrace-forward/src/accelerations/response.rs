@@ -96,7 +96,11 @@ impl Response {
                 let gained = [k, k + 1].map(|k| k as f64 / samples as f64);
                 let faster = [1.0 / (samples as f64 * dt); 2];
                 let by_drift = |row: &[f64]| {
-                    row[..4].iter().zip(gained.iter().chain(&faster)).map(|(by, moved)| by * moved).sum::<f64>()
+                    row[..4]
+                        .iter()
+                        .zip(gained.iter().chain(&faster))
+                        .map(|(by, moved)| by * moved)
+                        .sum::<f64>()
                 };
                 let width = MOTIONS + M;
                 let mut rows = self.rows[k * (1 + M) * width..].chunks_exact(width).map(by_drift);
