@@ -61,5 +61,9 @@ fn a_contact_that_creeps_lacks_nothing() {
     assert_eq!(found.verdict, Verdict::NothingMissing, "{:?}", found.notes);
     let held_out = found.held_out.as_ref().unwrap();
     assert!(held_out.after < 1.03 * held_out.noise_floor, "{} {}", held_out.after, held_out.noise_floor);
-    assert!(found.notes.iter().any(|note| note.contains("had not come to their steady state")), "{:?}", found.notes);
+    assert!(
+        found.notes.iter().any(|note| note.contains("had not come to their steady state")),
+        "{:?}",
+        found.notes
+    );
 }

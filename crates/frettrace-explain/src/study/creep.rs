@@ -24,6 +24,10 @@ const DISTANCES: [f64; 3] = [0.2, 0.05, 0.02];
 const FARTHEST: f64 = 5.0;
 /// χ² by which a run must tell that its contact has not settled.
 const TELLS: f64 = 9.0;
+/// Error over noise up to which the even harmonics of a run may be told from what else a model lacks, and the χ² per residual from which a run lacks
+/// something.
+const NEAR: f64 = 6.0;
+const LACKS: f64 = 1.5;
 /// Share of its distance from where it would settle that such a contact loses in a period at most: half of it in seventy …
 const CREEPS: f64 = 0.01;
 /// … or a part of it in a record, over which its lines are those of the middle.
@@ -61,7 +65,25 @@ impl Study<'_> {
     /// The values of a model with the deflections that its runs tell; `None` where none tells another one than it has.
     fn deflected(&self, model: &Explained) -> Option<Setting> {
         let breaks = breaks_away(&model.fitted.setting)?;
-        let runs = self.all_runs();
+        // A modulated preload shows the mean force itself. Without one a run shows no more of it than even harmonics, which other things make too: it
+        // must be near the data there, and lack something.
+        let modulated = model.fitted.setting.law.get(Hook::ModulationCosine).is_some();
+        let mut runs = self.all_runs();
+        if !modulated {
+            if model.ratio > NEAR {
+                return None;
+            }
+            let left = self.chi_squared(&model.fitted, &runs);
+            let lines =
+                |run: usize| self.case.records[run].lines.deviation.iter().map(Vec::len).sum::<usize>();
+            let lacks: Vec<bool> =
+                runs.iter().zip(left).map(|(&run, left)| left > LACKS * 2.0 * lines(run) as f64).collect();
+            let mut lacks = lacks.into_iter();
+            runs.retain(|_| lacks.next() == Some(true));
+            if runs.is_empty() {
+                return None;
+            }
+        }
         let settled = Setting { deflections: Vec::new(), ..model.fitted.setting.clone() };
         let settled: Vec<Option<ContactHistory>> =
             runs.par_iter().map(|&run| self.contact_history(model, &settled, run)).collect();

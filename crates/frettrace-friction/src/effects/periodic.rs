@@ -20,6 +20,9 @@ const SETTLED: f64 = 1e-9;
 const NONE: f64 = 1e-12;
 /// Relative difference below which a state has met what it was a period before, and stays with it: along a given motion differences only shrink.
 const MET: f64 = 1e-11;
+/// Slip that a contact with a deflection of its own gains in a period at most, over what the bristle would lose in it by its stiffness.
+const FARTHEST: f64 = 30.0;
+
 /// Motion of a contact over one period, one value a sample; the series are equally long and not empty.
 #[derive(Clone, Copy, Debug)]
 pub struct Periodic<'a> {
@@ -159,7 +162,7 @@ impl ModifiedLaw<f64> {
 
     /// Slip (m) that a contact with a deflection of its own ([`Periodic::deflection`]) gains in a period, in which the deflection comes back to what it
     /// was: a soft structure follows its mean force, so that a bristle that would lose a part of it in every period loses
-    /// `1 + R₀Pσ₀` times less. 0 where the contact has settled, where it loses nothing, and where play takes the slip up.
+    /// `1 + R₀Pσ₀` times less. 0 where the contact has settled, where it loses nothing, where it forgets within the period, and where play takes the slip up.
     ///
     /// `z(T; δ) = z₀` is solved by the secant, begun with the bristle's own stiffness, `δ = (z₀ − z(T; 0))/σ₀`.
     #[must_use]
@@ -175,8 +178,12 @@ impl ModifiedLaw<f64> {
         for _ in 0..PERIODS {
             let now = left(drift);
             let next = drift - now * (drift - before[0]) / (now - before[1]);
-            if now.abs() <= SETTLED * lost.abs() || !next.is_finite() {
-                break;
+            if now.abs() <= SETTLED * lost.abs() {
+                return drift;
+            }
+            // Where it slides all the way no slip brings it back: it has settled.
+            if !next.is_finite() || next.abs() > FARTHEST * (lost / sigma0).abs() {
+                return 0.0;
             }
             (before, drift) = ([drift, now], next);
         }
