@@ -1,7 +1,7 @@
 //! The search: the whole model for the few candidates that stand out on the recovered contacts or on the balance.
 
 use crate::contact_search::{ContactCandidate, within_reach};
-use crate::effects::{ALL, Simpler, apply, listed, set_by_forms};
+use crate::effects::{ALL, Change, Simpler, apply, listed, set_by_forms};
 use crate::left::LeftLines;
 use crate::study::{Predicted, as_declared, breaks_away, merge};
 use crate::{ExplainError, Fitted, Study, Unknown};
@@ -22,6 +22,8 @@ const ALL_ABOUT: usize = 10;
 pub(crate) const COMPLETE: f64 = 1.05;
 /// … and in every run.
 const COMPLETE_RUN: f64 = 1.12;
+/// Error over noise up to which a model is near the data: farther away its values are bent to what it lacks.
+pub(crate) const NEAR: f64 = 6.0;
 
 /// Steps of a longer fit, …
 const STEPS: usize = 30;
@@ -188,7 +190,7 @@ impl Study<'_> {
         let few: Vec<Unknown> = unknowns.iter().filter(|u| !structural(u.quantity)).cloned().collect();
         let first = self.fitted(setting, &few, &self.model.memory(), iterations.min(6))?;
         // Far from the data the structure would only be bent to the law's faults, unless it is known loosely itself.
-        let near = self.error(&first, &self.training).ratio() < 6.0 || self.case.loosely_known();
+        let near = self.error(&first, &self.training).ratio() < NEAR || self.case.loosely_known();
         let fitted = if near {
             self.fitted(first.setting.clone(), unknowns, &first.memory, iterations)?
         } else {
@@ -347,16 +349,25 @@ impl Study<'_> {
         simpler: &Simpler,
     ) -> Option<Explained> {
         let effect = listed(simpler.id)?;
-        let mut setting = richer.fitted.setting.clone();
-        setting.law = simpler.law;
-        let brought = apply(&simpler.changes, &mut setting.law);
-        let unknowns = merge(&merge(&self.case.unknowns(), &from.added), &brought);
+        let setting = Setting { law: simpler.law, ..richer.fitted.setting.clone() };
         // It is asked from where a richer one has come to: an answer there is a gift, and none says nothing of the effect.
-        self.with_effect(from, setting, (effect, &unknowns), 30).ok()
+        self.with_changes(from, setting, (effect, &simpler.changes)).ok()
+    }
+
+    /// One effect of the contact more in a model, with the whole of it, from a setting and the values with which the effect begins.
+    pub(crate) fn with_changes(
+        &self,
+        from: &Explained,
+        mut setting: Setting,
+        (effect, changes): (usize, &[Change]),
+    ) -> Result<Explained, ExplainError> {
+        let brought = apply(changes, &mut setting.law);
+        let unknowns = merge(&merge(&self.case.unknowns(), &from.added), &brought);
+        self.with_effect(from, setting, (effect, &unknowns), STEPS)
     }
 
     /// One effect more in a model, with the whole of it.
-    pub(crate) fn with_effect(
+    fn with_effect(
         &self,
         from: &Explained,
         setting: Setting,

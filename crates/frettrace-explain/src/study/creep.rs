@@ -11,7 +11,7 @@
 //! [`ModifiedLaw::drift`]: frettrace_friction::effects::ModifiedLaw::drift
 
 use super::{Fitted, Predicted, Study};
-use crate::search::Explained;
+use crate::search::{Explained, NEAR};
 use frettrace_forward::accelerations::{ContactHistory, Setting};
 use frettrace_friction::effects::Hook;
 use rayon::prelude::*;
@@ -24,10 +24,8 @@ const DISTANCES: [f64; 3] = [0.2, 0.05, 0.02];
 const FARTHEST: f64 = 5.0;
 /// χ² by which a run must tell that its contact has not settled.
 const TELLS: f64 = 9.0;
-/// Error over noise up to which the even harmonics of a run may be told from what else a model lacks, and the χ² per residual from which a run lacks
-/// something.
-const NEAR: f64 = 6.0;
-const LACKS: f64 = 1.5;
+/// χ² per residual from which a model misses a run.
+const MISSED: f64 = 1.5;
 /// Share of its distance from where it would settle that such a contact loses in a period at most: half of it in seventy …
 const CREEPS: f64 = 0.01;
 /// … or a part of it in a record, over which its lines are those of the middle.
@@ -65,24 +63,12 @@ impl Study<'_> {
     /// The values of a model with the deflections that its runs tell; `None` where none tells another one than it has.
     fn deflected(&self, model: &Explained) -> Option<Setting> {
         let breaks = breaks_away(&model.fitted.setting)?;
-        // A modulated preload shows the mean force itself. Without one a run shows no more of it than even harmonics, which other things make too: it
-        // must be near the data there, and lack something.
+        // A modulated preload shows the mean force itself. Without one a run shows no more of it than even harmonics, which other things make too: the
+        // model must be near the data there, and miss the run.
         let modulated = model.fitted.setting.law.get(Hook::ModulationCosine).is_some();
-        let mut runs = self.all_runs();
-        if !modulated {
-            if model.ratio > NEAR {
-                return None;
-            }
-            let left = self.chi_squared(&model.fitted, &runs);
-            let lines =
-                |run: usize| self.case.records[run].lines.deviation.iter().map(Vec::len).sum::<usize>();
-            let lacks: Vec<bool> =
-                runs.iter().zip(left).map(|(&run, left)| left > LACKS * 2.0 * lines(run) as f64).collect();
-            let mut lacks = lacks.into_iter();
-            runs.retain(|_| lacks.next() == Some(true));
-            if runs.is_empty() {
-                return None;
-            }
+        let runs = if modulated { self.all_runs() } else { self.missed_from_near(model) };
+        if runs.is_empty() {
+            return None;
         }
         let settled = Setting { deflections: Vec::new(), ..model.fitted.setting.clone() };
         let settled: Vec<Option<ContactHistory>> =
@@ -118,6 +104,17 @@ impl Study<'_> {
             }
         }
         moved.then_some(setting)
+    }
+
+    /// Runs that a model misses by more than their noise, where it is near the data.
+    fn missed_from_near(&self, model: &Explained) -> Vec<usize> {
+        if model.ratio > NEAR {
+            return Vec::new();
+        }
+        let runs = self.all_runs();
+        let left = self.chi_squared(&model.fitted, &runs);
+        let missed = |(run, left): &(usize, f64)| *left > MISSED * self.residuals_of(&[*run]) as f64;
+        runs.into_iter().zip(left).filter(missed).map(|(run, _)| run).collect()
     }
 
     /// Whether the contact of a run creeps so slowly from the deflection that a setting gives it that it stays away from where it would settle.
@@ -178,8 +175,8 @@ mod tests {
             |deflection: f64, creep: f64| Some(ContactHistory { deflection, creep, ..Default::default() });
         let settled = at(0.15, 0.0);
         let away = at(0.16, -3e-4);
-        assert!(!creeping(&away, &settled, 1.0 * CREEPS) && creeping(&away, &settled, 25.0 * CREEPS));
-        assert!(creeping(&at(0.14, 0.0), &settled, 1.0 * CREEPS));
+        assert!(!creeping(&away, &settled, CREEPS) && creeping(&away, &settled, 25.0 * CREEPS));
+        assert!(creeping(&at(0.14, 0.0), &settled, CREEPS));
         // A contact that forgets within its period has settled, and where no balance closes nothing is known.
         assert!(!creeping(&at(0.16, -0.01), &settled, 25.0 * CREEPS));
         assert!(!creeping(&None, &settled, 25.0 * CREEPS) && !creeping(&away, &None, 25.0 * CREEPS));

@@ -4,13 +4,12 @@
 //! among the fitted ones and others are held out. A name may leave little, yet more than the noise: a mechanism that is there
 //! leaves nothing. Then the search is made again without that name, and what explains better stands.
 
-use super::finer::NEAR;
 use super::outcome::Outcome;
 use super::rules::is_followed;
 use super::{CONTRADICTED, EVIDENCE, FORETOLD, Rival, Search};
 use crate::effects::ALL;
 use crate::left::LeftLines;
-use crate::search::{COMPLETE, Explained, excess};
+use crate::search::{COMPLETE, Explained, NEAR, excess};
 use crate::{Case, ExplainError, Fitted, Split, Study};
 
 /// Times what a phase grid may be wrong by, or the noise, that a model may miss a run by where nothing but the grid is at fault.

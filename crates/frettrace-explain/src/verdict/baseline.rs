@@ -1,8 +1,7 @@
 //! The declared model: what everything is measured against.
 
-use super::finer::NEAR;
 use super::{BALANCE_CALIBRATED, BALANCE_WIDE, Search};
-use crate::search::Explained;
+use crate::search::{Explained, NEAR};
 use crate::support::SupportForce;
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::Setting;

@@ -1,10 +1,10 @@
 //! The choice among models with one effect more: fits to their end, simpler names, what they foretell.
 
-use super::finer::{FINER, NEAR};
+use super::finer::FINER;
 use super::{EVIDENCE, Rival, Search, Tried};
 use crate::Study;
 use crate::effects::{ALL, Reach, Simpler};
-use crate::search::Explained;
+use crate::search::{Explained, NEAR};
 use frettrace_forward::accelerations::Quantity;
 use frettrace_friction::effects::Hook;
 use frettrace_identify::HALF_INTERVAL95;

@@ -3,13 +3,12 @@
 use super::{BORNE_OUT, EVIDENCE, FORETOLD, Search};
 use crate::effects::{ALL, shaped};
 use crate::left::LeftLines;
-use crate::search::{Explained, excess};
+use crate::search::{Explained, NEAR, excess};
 use crate::{Study, Unknown};
 use frettrace_forward::accelerations::Setting;
 
-/// A model nearer to the noise than this is fitted further, and on a finer grid, before it is judged.
-pub(super) const NEAR: f64 = 6.0;
-/// … and so is one that leaves no more than this share of the excess before it.
+/// A model near the data is fitted further, and on a finer grid, before it is judged, and so is one that leaves no more than this share of the excess
+/// before it.
 pub(super) const MOST_TAKEN: f64 = 0.05;
 /// Finer grids, each twice as fine as the one before, that a model may get, and that one with a rigid contact may.
 const MOST_REFINED: usize = 2;

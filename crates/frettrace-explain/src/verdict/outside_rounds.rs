@@ -1,13 +1,13 @@
 //! One effect more outside the contact.
 
 use super::asked_again::LEFT;
-use super::finer::{MOST_TAKEN, NEAR};
+use super::finer::MOST_TAKEN;
 use super::{BALANCE_CALIBRATED, BALANCE_CLOSED, EVIDENCE, PROXY, Rival, Search, Tried};
 use crate::balance_fit::BalanceCandidate;
 use crate::contact_search::ContactCandidate;
-use crate::effects::{ALL, ContactForm, EffectPlace, StructureForm, apply, listed};
+use crate::effects::{ALL, ContactForm, EffectPlace, StructureForm, listed};
 use crate::force_laws::{CUBIC_BELOW, thresholds};
-use crate::search::{Asked, Explained};
+use crate::search::{Asked, Explained, NEAR};
 use crate::study::merge;
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::{Beside, Memory, Port, PortLaw, PortPlace, Quantity, Setting};
@@ -23,9 +23,6 @@ const TOGETHER: usize = 60;
 /// Displacement at which a cubic spring yields, over the largest on the beam: the least, where a fit starts, and the most. One that yields below
 /// half the motion is a linear one.
 const YIELDS: [f64; 3] = [0.5, 1.5, CUBIC_BELOW];
-
-/// Steps of a fit of an effect of the contact with the whole model.
-const STEPS: usize = 30;
 
 /// Effects of the contact whose force is that of a spring or a dashpot: recovered with what is declared of the structure, to its deviations, the contacts
 /// take it for another frequency or damping, while the lines of the whole model near a resonance are off by many times their noise.
@@ -118,7 +115,11 @@ impl Search<'_> {
         let worthy: Vec<&BalanceCandidate> = candidates.iter().filter(worth).collect();
         let outside = worthy.par_iter().map(|c| self.asked(current, c));
         let of_contact = self.like_a_structure(current);
-        let of_contact = of_contact.par_iter().map(|(effect, form)| self.in_contact(current, *effect, form));
+        let of_contact = of_contact.par_iter().map(|(effect, form)| {
+            let start = current.fitted.setting.clone();
+            let answer = self.study.with_changes(current, start, (*effect, &form.changes));
+            Asked { effect: *effect, answer }
+        });
         let asked = outside.chain(of_contact).collect();
         let found = self.answered(asked);
         self.take_best(current, found)
@@ -137,15 +138,6 @@ impl Search<'_> {
             forms.into_iter().map(move |form| (effect, form))
         };
         effects.flat_map(forms).collect()
-    }
-
-    /// The whole model with a form of an effect of the contact, from where that begins.
-    fn in_contact(&self, current: &Explained, effect: usize, form: &ContactForm) -> Asked {
-        let mut setting = current.fitted.setting.clone();
-        let brought = apply(&form.changes, &mut setting.law);
-        let known = merge(&self.study.case.unknowns(), &current.added);
-        let unknowns = merge(&known, &brought);
-        Asked { effect, answer: self.study.with_effect(current, setting, (effect, &unknowns), STEPS) }
     }
 
     /// Damping of a place by the square of the velocity with any power about it, and a cubic spring there with a yield, where that explains

@@ -33,6 +33,19 @@ fn strained(model: &Explained) -> impl Iterator<Item = &Unknown> {
     })
 }
 
+/// The natural frequency of a model that is farthest from what was declared of it, by deviations, where that is more than chance brings.
+fn farthest_off(told: &Explained) -> Option<Quantity> {
+    let fitted = &told.fitted;
+    let declared = fitted.unknowns.iter().filter(|u| matches!(u.quantity, Quantity::ModeFrequency(_)));
+    let off = |unknown: &Unknown| {
+        let (value, prior) = (fitted.setting.get(unknown.quantity)?, unknown.parameter.prior?);
+        let spread = prior.std.hypot(told.deviation(unknown.quantity));
+        Some((unknown.quantity, (value - prior.mean).abs() / spread))
+    };
+    let farthest = declared.filter_map(off).max_by(|a, b| a.1.total_cmp(&b.1));
+    farthest.filter(|(_, off)| *off > DEVIATES).map(|(quantity, _)| quantity)
+}
+
 impl Search<'_> {
     /// Whether the lines of a model that is complete hold more than their noise, which is a small part of that of all samples. With a rigid contact
     /// they do so on a coarse grid: there they must hold more than that may be wrong by, or a mode must be at the end of what was declared of it,
@@ -77,16 +90,9 @@ impl Search<'_> {
         if !current.left().is_noise() {
             return None;
         }
-        let told = self.study.doubted(current);
-        let fitted = &told.fitted;
-        let declared = fitted.unknowns.iter().filter(|u| matches!(u.quantity, Quantity::ModeFrequency(_)));
-        let off = |unknown: &Unknown| {
-            let (value, prior) = (fitted.setting.get(unknown.quantity)?, unknown.parameter.prior?);
-            let spread = prior.std.hypot(told.deviation(unknown.quantity));
-            Some((unknown.quantity, (value - prior.mean).abs() / spread))
-        };
-        let farthest = declared.filter_map(off).max_by(|a, b| a.1.total_cmp(&b.1));
-        let (quantity, _) = farthest.filter(|(_, off)| *off > DEVIATES)?;
+        // What the phase grid bends only adds to the deviations: it is asked where these alone do not tell.
+        farthest_off(&self.study.with_deviations(current))?;
+        let quantity = farthest_off(&self.study.doubted(current))?;
         let candidate = self.release(current, quantity)?;
         let asked = self.asked(current, &candidate);
         let mut found = self.answered(vec![asked]).pop()?;

@@ -10,8 +10,8 @@
 //! themselves, and what is said is said of them.
 
 use super::asked_again::{Begun, answer, answer_from};
-use super::finer::NEAR;
 use super::{Outcome, Place, Verdict};
+use crate::search::NEAR;
 use crate::{Case, ExplainError, Fitted, Split, Study};
 use frettrace_friction::effects::Hook;
 

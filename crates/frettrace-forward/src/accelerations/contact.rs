@@ -83,9 +83,9 @@ impl Contact<'_> {
         }
     }
 
-    /// The slip that a contact with a deflection of its own gains in a period.
+    /// The slip that a contact with a deflection of its own gains in a period; 0 where it has none.
     pub fn drift(&self, motion: &Motion) -> f64 {
-        if self.deflection.is_some() { self.law.drift(&self.along(motion)) } else { 0.0 }
+        self.law.drift(&self.along(motion))
     }
 
     /// The force over the settled period, and the state with which that starts.

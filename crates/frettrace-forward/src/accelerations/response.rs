@@ -93,21 +93,9 @@ impl Response {
             let next = if k + 1 == samples { 0 } else { k + 1 };
             let mut force = self.step(k, next, &Moves::STILL, &mut state);
             if held {
-                let gained = [k, k + 1].map(|k| k as f64 / samples as f64);
-                let faster = [1.0 / (samples as f64 * dt); 2];
-                let by_drift = |row: &[f64]| {
-                    row[..4]
-                        .iter()
-                        .zip(gained.iter().chain(&faster))
-                        .map(|(by, moved)| by * moved)
-                        .sum::<f64>()
-                };
-                let width = MOTIONS + M;
-                let mut rows = self.rows[k * (1 + M) * width..].chunks_exact(width).map(by_drift);
-                force[0] += rows.next().unwrap_or_default();
-                for (state, by) in state.iter_mut().zip(rows) {
-                    state[0] += by;
-                }
+                let (by_force, by_state) = self.by_gained_slip::<M>(k, dt);
+                force[0] += by_force;
+                state.iter_mut().zip(by_state).for_each(|(state, by)| state[0] += by);
             }
             self.initial[next][..M].copy_from_slice(&force);
         }
@@ -123,14 +111,32 @@ impl Response {
         moves: &Moves<'_, L>,
         state: &mut [[f64; L]; M],
     ) -> [f64; L] {
-        let width = MOTIONS + M;
-        let at = k * (1 + M) * width;
-        let rows = &self.rows[at..at + (1 + M) * width];
+        let (by_force, by_state) = self.of_step::<M>(k);
         let old = *state;
-        for (new, row) in state.iter_mut().zip(rows[width..].chunks_exact(width)) {
+        for (new, row) in state.iter_mut().zip(by_state) {
             *new = moves.change(row, (k, next), &old);
         }
-        moves.change(&rows[..width], (k, next), &old)
+        moves.change(by_force, (k, next), &old)
+    }
+
+    /// Derivatives of the force in step `k`, and of each of `M` states after it.
+    fn of_step<const M: usize>(&self, k: usize) -> (&[f64], impl Iterator<Item = &[f64]>) {
+        let width = MOTIONS + M;
+        let at = k * (1 + M) * width;
+        let (by_force, by_state) = self.rows[at..at + (1 + M) * width].split_at(width);
+        (by_force, by_state.chunks_exact(width))
+    }
+
+    /// What a slip that is gained evenly over the period adds in step `k` of duration `dt` to the force, and to each of `M` states after it.
+    fn by_gained_slip<const M: usize>(&self, k: usize, dt: f64) -> (f64, [f64; M]) {
+        let samples = self.initial.len() as f64;
+        let faster = 1.0 / (samples * dt);
+        let moved = [k as f64 / samples, (k + 1) as f64 / samples, faster, faster];
+        let by_slip = |row: &[f64]| row.iter().zip(moved).map(|(by, moved)| by * moved).sum::<f64>();
+        let (by_force, by_state) = self.of_step::<M>(k);
+        let mut states = [0.0; M];
+        states.iter_mut().zip(by_state).for_each(|(state, row)| *state = by_slip(row));
+        (by_slip(by_force), states)
     }
 
     /// Change of the force over the period by the given motion, and by what a parameter adds (`by_hook`) to the force and to the

@@ -622,6 +622,19 @@ fn settling_part_by_part_is_marching_for_long() {
     }
 }
 
+/// The state after one period marched step by step from a start, and the force at every sample.
+fn marched(
+    law: &ModifiedLaw<f64>,
+    along: &Periodic<'_>,
+    start: ModifiedState<f64>,
+) -> (ModifiedState<f64>, Vec<f64>) {
+    let (mut state, mut force) = (start, vec![0.0; SAMPLES]);
+    for k in 0..SAMPLES {
+        (state, force[along.next(k)]) = law.advance(state, &along.step(k), &along.circumstance(law, k));
+    }
+    (state, force)
+}
+
 /// A contact that has not settled begins its period with a deflection of its own: the force is that of one period marched from there, and the creep
 /// what the deflection has gained in it. Begun with the settled deflection, it creeps by nothing.
 #[test]
@@ -637,12 +650,7 @@ fn a_period_may_begin_with_a_deflection_of_its_own() {
             let mut force = vec![0.0; SAMPLES];
             let start = law.settle(&along, &mut force);
             assert_eq!(start.0[0], deflection, "law {number}");
-            let mut state = start;
-            let mut marched = vec![0.0; SAMPLES];
-            for k in 0..SAMPLES {
-                (state, marched[along.next(k)]) =
-                    law.advance(state, &along.step(k), &along.circumstance(&law, k));
-            }
+            let (state, marched) = marched(&law, &along, start);
             let apart = force.iter().zip(&marched).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(apart < 1e-8 * 20.0, "law {number}: {apart:.1e} N");
             let creep = law.creep(&along);
@@ -677,12 +685,8 @@ fn a_contact_that_gains_slip_keeps_its_deflection() {
         }
         drifting += usize::from(drift != 0.0);
         let mut force = vec![0.0; SAMPLES];
-        let mut state = law.settle(&along, &mut force);
-        let mut marched = vec![0.0; SAMPLES];
-        for k in 0..SAMPLES {
-            (state, marched[along.next(k)]) =
-                law.advance(state, &along.step(k), &along.circumstance(&law, k));
-        }
+        let start = law.settle(&along, &mut force);
+        let (state, marched) = marched(&law, &along, start);
         let apart = force.iter().zip(&marched).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(apart < 1e-8 * 20.0, "law {number}: {apart:.1e} N");
         let kept = state.0[0] - along.deflection.unwrap_or_default();
