@@ -123,6 +123,7 @@ impl Extent {
         program.args([question, &set.name, "--seed", &seed, "--clean", &clean]);
         program.args(self.drawn.pairs.then_some("--pairs"));
         program.args(self.drawn.thirds.then_some("--thirds"));
+        program.args(self.drawn.wide.then_some("--wide"));
         program.args(self.drawn.mended.then_some("--mended"));
         program.args(kept.sets.iter().flat_map(|folder| [Path::new("--sets"), folder]));
         Ok(serde_json::from_str(&printed(program, [self.making, self.limit].map(Duration::from_secs))?)?)
@@ -152,8 +153,11 @@ struct Drawn {
     /// The sets whose effects have third formulas instead
     #[arg(long, conflicts_with = "pairs")]
     thirds: bool,
-    /// The sets that were answered wrong once instead, of whatever seed
+    /// Sets on rigs of any kind instead: tubes, pins, short records, any law
     #[arg(long, conflicts_with_all = ["pairs", "thirds"])]
+    wide: bool,
+    /// The sets that were answered wrong once instead, of whatever seed
+    #[arg(long, conflicts_with_all = ["pairs", "thirds", "wide"])]
     mended: bool,
 }
 
@@ -162,6 +166,7 @@ impl Drawn {
         Ok(match self {
             Self { pairs: true, .. } => plan::pairs(self.seed),
             Self { thirds: true, .. } => plan::thirds(self.seed),
+            Self { wide: true, .. } => plan::wide(self.seed),
             Self { mended: true, .. } => mended()?,
             _ => plan::plan(self.seed, self.clean),
         })

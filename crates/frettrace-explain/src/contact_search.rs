@@ -242,7 +242,8 @@ impl Study<'_> {
     }
 
     /// The forms of an effect on the recovered contacts, each from the law that the effect was found with and without its `own` values, best
-    /// first: those that do better there than the form which that law has.
+    /// first: the form that this law has where that does better anew, and others that are not ruled out there. What the nearest form leaves
+    /// beside the noise is what the contacts were recovered with, and evidence counts by it.
     pub(crate) fn better_forms(
         &self,
         recovered: &Contacts,
@@ -256,7 +257,15 @@ impl Study<'_> {
         let Some(current) = current else { return Vec::new() };
         let bare = self.bare(setting, (effect, own));
         let mut found = self.forms_of(recovered, &bare, law_unknowns, effect);
-        found.retain(|one| one.criterion + EVIDENCE < current.criterion);
+        let chance = EVIDENCE * current.reduced.max(1.0);
+        let is_same = |one: &ContactCandidate| {
+            let is_known = |u: &Unknown| known.iter().any(|k| k.quantity == u.quantity);
+            one.unknowns.len() == known.len() && one.unknowns.iter().all(is_known)
+        };
+        found.retain(|one| {
+            let margin = if is_same(one) { -EVIDENCE } else { chance };
+            one.criterion < current.criterion + margin
+        });
         found
     }
 

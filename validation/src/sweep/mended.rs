@@ -1,7 +1,7 @@
 //! Sets that were answered wrong once and are right now: none may be wrong again.
 
 use super::CLEAN;
-use super::plan::{Planned, pairs, plan, thirds};
+use super::plan::{Planned, pairs, plan, thirds, wide};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -14,6 +14,7 @@ enum Plan {
     Singles,
     Pairs,
     Thirds,
+    Wide,
 }
 
 #[derive(Deserialize)]
@@ -36,6 +37,7 @@ pub fn mended() -> anyhow::Result<Vec<Planned>> {
             Plan::Singles => plan(seed, CLEAN),
             Plan::Pairs => pairs(seed),
             Plan::Thirds => thirds(seed),
+            Plan::Wide => wide(seed),
         });
         let set = sets.iter().find(|set| set.name == name);
         let set =

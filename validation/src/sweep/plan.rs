@@ -1,7 +1,8 @@
 //! The plan: which sets a sweep has, from its seed alone.
 
-use super::rigs::{Choice, Modes, RIGID};
+use super::rigs::{Choice, Kind, Modes, RIGID};
 use frettrace::rig::RigSlip;
+use std::collections::BTreeSet;
 
 /// A planned set.
 #[derive(Clone, Debug, PartialEq)]
@@ -234,6 +235,7 @@ fn with_effects<'a>(formulas: impl Iterator<Item = &'a Formula>, first: u64, see
                         size,
                         left_out: index % 3 == 2 && formula.is_listed(),
                         choice: Choice {
+                            kind: Kind::Bench,
                             law,
                             slip,
                             soft: formula.needs == Needs::Soft,
@@ -248,6 +250,55 @@ fn with_effects<'a>(formulas: impl Iterator<Item = &'a Formula>, first: u64, see
         }
     }
     sets
+}
+
+/// Sets of a wide plan.
+const WIDE: usize = 600;
+/// … of which one in so many has no effect.
+const CLEAN_OF_WIDE: usize = 6;
+
+/// Rigs of any kind ([`Kind::Wide`]), each with one effect of the list in any of its formulas, on any law that can have it, or with none.
+#[must_use]
+pub fn wide(seed: u64) -> Vec<Planned> {
+    let formulas: Vec<&Formula> = [FORMULAS, RIGID_FORMULAS, THIRD_FORMULAS]
+        .into_iter()
+        .flatten()
+        .filter(|formula| formula.is_listed())
+        .collect();
+    let ids: BTreeSet<&str> = formulas.iter().map(|formula| formula.id()).collect();
+    let ids: Vec<&str> = ids.into_iter().collect();
+    let set = |index: usize| {
+        let first = 5_000_000 + 10 * index as u64;
+        let drawn = |what: u64, of: usize| (mixed(seed, first + 1 + what) % of as u64) as usize;
+        let formula = (drawn(0, CLEAN_OF_WIDE) > 0).then(|| {
+            let id = ids[drawn(1, ids.len())];
+            let of_id: Vec<&Formula> = formulas.iter().copied().filter(|f| f.id() == id).collect();
+            of_id[drawn(2, of_id.len())]
+        });
+        // What is not in the law can stand beside any.
+        let laws = formula.filter(|formula| formula.is_in_law()).map_or(&LAWS[..], |formula| formula.laws);
+        let needs = formula.map_or(Needs::Nothing, |formula| formula.needs);
+        let (law, soft) = (laws[drawn(3, laws.len())], needs == Needs::Soft);
+        let slip = if soft || drawn(4, 2) == 0 { RigSlip::Rotation } else { RigSlip::Transverse };
+        let size = 1 + drawn(5, 2) as u8;
+        Planned {
+            name: format!("{index} {} {law} {}", formula.map_or("clean", |f| f.name), word(slip)),
+            formulas: formula.map(|formula| formula.name).into_iter().collect(),
+            size,
+            left_out: false,
+            choice: Choice {
+                kind: Kind::Wide,
+                law,
+                slip,
+                soft,
+                preloads: needs == Needs::Preloads || drawn(6, 3) == 0,
+                coloured: drawn(7, 3) == 0,
+                modes: Modes::Off,
+            },
+            seed: mixed(seed, first),
+        }
+    };
+    (0..WIDE).map(set).collect()
 }
 
 /// Every two effects of the list that can be on one rig, a set each; formulas, size, law, slip and noise are drawn, and the order is.
@@ -288,6 +339,7 @@ fn of_two(pair: [&Formula; 2], index: u64, seed: u64) -> Option<Planned> {
         size,
         left_out: false,
         choice: Choice {
+            kind: Kind::Bench,
             law,
             slip,
             soft,
@@ -309,6 +361,7 @@ fn without_effect(seed: u64, index: usize) -> Planned {
         size: 0,
         left_out: false,
         choice: Choice {
+            kind: Kind::Bench,
             law,
             slip,
             soft: false,
@@ -345,7 +398,6 @@ fn mixed(seed: u64, index: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::collections::BTreeSet;
 
     /// As many sets as were asked for, each with its own name, and the same again from the same seed.
     #[test]
@@ -382,6 +434,22 @@ mod tests {
         let swept: BTreeSet<&str> = formulas.map(|formula| effect_id(formula)).collect();
         assert!(frettrace_explain::effect_ids().all(|known| swept.contains(known)));
         assert_eq!(sets, pairs(1));
+    }
+
+    /// The wide plan has every effect, every law with either slip, and clean sets; the same again from the same seed.
+    #[test]
+    fn the_wide_plan_has_all_of_them() {
+        let sets = wide(1);
+        assert_eq!(sets, wide(1));
+        let swept: BTreeSet<&str> = sets.iter().flat_map(|set| &set.formulas).map(|f| effect_id(f)).collect();
+        assert!(frettrace_explain::effect_ids().all(|known| swept.contains(known)));
+        let kinds: BTreeSet<String> =
+            sets.iter().map(|set| format!("{} {:?}", set.choice.law, set.choice.slip)).collect();
+        assert_eq!(kinds.len(), 5 * 2);
+        let clean = sets.iter().filter(|set| set.formulas.is_empty()).count();
+        assert!((60..140).contains(&clean), "{clean}");
+        let names: BTreeSet<&str> = sets.iter().map(|set| set.name.as_str()).collect();
+        assert_eq!(names.len(), sets.len());
     }
 
     /// Third formulas are formulas of effects that the list has, with names of their own; the same again from the same seed.

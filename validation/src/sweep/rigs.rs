@@ -3,6 +3,8 @@
 //! Everything is drawn from the physics: friction against the beam's bending, excitation near a mode of the free or of the
 //! stuck beam, levels from sticking to sliding. No value is taken from any data set.
 
+mod wide;
+
 use frettrace::rig::{
     Rig, RigBeam, RigClamp, RigExciter, RigModes, RigRuns, RigSampling, RigSensors, RigSlip, RigSupport,
 };
@@ -18,6 +20,8 @@ pub(super) const RIGID: &[&str] = &["coulomb", "stribeck"];
 /// What of a rig is chosen and not drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
+    /// Which kind of rig.
+    pub kind: Kind,
     /// Name of the declared law.
     pub law: &'static str,
     /// Kind of slip.
@@ -30,6 +34,15 @@ pub struct Choice {
     pub coloured: bool,
     /// What the file says of the modes.
     pub modes: Modes,
+}
+
+/// Kinds of rigs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Strips near a resonance, in records of twelve periods and more.
+    Bench,
+    /// Any of [`wide`].
+    Wide,
 }
 
 /// What a file says of the modes.
@@ -71,6 +84,9 @@ const MATERIALS: [[f64; 2]; 5] =
 /// # Errors
 /// Where the beam has no modes.
 pub fn draw(random: &mut impl Rng, choice: &Choice) -> anyhow::Result<Drawn> {
+    if choice.kind == Kind::Wide {
+        return wide::draw(random, choice);
+    }
     let turns = choice.slip == RigSlip::Rotation;
     let beam = beam(random);
     let uniform = UniformBeam::rectangular(
@@ -100,13 +116,6 @@ pub fn draw(random: &mut impl Rng, choice: &Choice) -> anyhow::Result<Drawn> {
     if !RIGID.contains(&choice.law) {
         parameters.insert("sigma0_per_m".to_owned(), tangential / preload);
     }
-    let support = RigSupport {
-        slip: choice.slip,
-        lever_arm_m: turns.then_some(lever),
-        normal_stiffness_n_per_m: turns.then_some(stiffness),
-        law: choice.law.to_owned(),
-        parameters,
-    };
     let rig = Rig {
         title: "a rig of the sweep".to_owned(),
         seed: random.random_range(1..1 << 31),
@@ -117,13 +126,25 @@ pub fn draw(random: &mut impl Rng, choice: &Choice) -> anyhow::Result<Drawn> {
         clamp: RigClamp::default(),
         second_support: None,
         effects: Vec::new(),
+        support: support(choice, [lever, stiffness], parameters),
         beam,
-        support,
         sampling,
     };
     let mass = uniform.mass_per_length * length;
     let noise_share = 10.0_f64.powf(random.random_range(-3.0..-2.0));
     Ok(Drawn { rig, bending, mass, frequency, mode, tangential, noise_share })
+}
+
+/// A support with its lever arm (m) and normal stiffness (N/m), where the slip is a rotation.
+fn support(choice: &Choice, [lever, stiffness]: [f64; 2], parameters: BTreeMap<String, f64>) -> RigSupport {
+    let turns = choice.slip == RigSlip::Rotation;
+    RigSupport {
+        slip: choice.slip,
+        lever_arm_m: turns.then_some(lever),
+        normal_stiffness_n_per_m: turns.then_some(stiffness),
+        law: choice.law.to_owned(),
+        parameters,
+    }
 }
 
 fn beam(random: &mut impl Rng) -> RigBeam {

@@ -171,8 +171,14 @@ fn tones((bare, asked): (&[Bare<'_>], &[bool]), frequency: f64) -> Vec<Tone> {
             let left = &one.residual[tone.sensor];
             let (c, s) = (dot(cosine, left), dot(sine, left));
             let solution = [(c * ss - s * cs) / determinant, (s * cc - c * cs) / determinant];
+            // Beside what the tone explains: in a record of a few of its periods it is heard beside itself.
+            let rest: Vec<f64> = left
+                .iter()
+                .zip(cosine.iter().zip(sine))
+                .map(|(x, (c, s))| x - solution[0] * c - solution[1] * s)
+                .collect();
+            let density = density(&rest, one.variance[tone.sensor], &beside);
             if separable {
-                let density = density(left, one.variance[tone.sensor], &beside);
                 let gain = (solution[0] * c + solution[1] * s) / density;
                 if *asked {
                     tone.gain += gain;
@@ -181,15 +187,9 @@ fn tones((bare, asked): (&[Bare<'_>], &[bool]), frequency: f64) -> Vec<Tone> {
                 tone.amplitude.push(solution);
                 tone.hidden.push((solution, 0.0));
             } else {
-                // Of the least certain combination of the two, beside what the tone does not explain.
+                // Of the least certain combination of the two.
                 let least = 0.5 * (cc + ss - (cc - ss).hypot(2.0 * cs));
-                let rest: Vec<f64> = left
-                    .iter()
-                    .zip(cosine.iter().zip(sine))
-                    .map(|(x, (c, s))| x - solution[0] * c - solution[1] * s)
-                    .collect();
-                tone.hidden
-                    .push((solution, (density(&rest, one.variance[tone.sensor], &beside) / least).sqrt()));
+                tone.hidden.push((solution, (density / least).sqrt()));
                 tone.amplitude.push([0.0; 2]);
             }
         }
@@ -313,6 +313,50 @@ mod tests {
                 preload: 1.0,
             };
             self.signals.iter().map(|signals| run(signals)).collect()
+        }
+    }
+
+    /// Records of 31 ms at 692 Hz, with noise of 0.1: four channels hear the motion, the first also 50 Hz of an amplitude of 2.2 for one and a half
+    /// of its periods, which 60 Hz and a drift follow as well. With a drift it is the same beside it.
+    #[test]
+    fn hum_in_a_short_record_is_no_drift() {
+        let (rate, hertz) = (32_768.0, 692.0);
+        let wave = |hertz: f64, k: usize| (TAU * hertz * k as f64 / rate + 0.7).sin();
+        for (record, drift) in [(1024, 0.0), (16_384, 3.0)] {
+            let Laboratory { signals, .. } = Laboratory::new(&[0.1, 0.1, 0.1, 0.1], 0.0, 0.0);
+            let force: Vec<f64> = (0..record).map(|k| wave(hertz, k)).collect();
+            let added = |s: usize, k: usize| {
+                if s == 0 { 2.2 * wave(50.0, k) + drift * (k as f64 / record as f64 - 0.5) } else { 0.0 }
+            };
+            let noise = |run: usize, s: usize, k: usize| {
+                signals[run][s][k % 4096] - (TAU * 99.4 * (k % 4096) as f64 / 1e4).sin()
+            };
+            let made: Vec<Vec<Vec<f64>>> = (0..4)
+                .map(|run| {
+                    let channel =
+                        |s| (0..record).map(|k| force[k] + added(s, k) + noise(run, s, k)).collect();
+                    (0..4).map(channel).collect()
+                })
+                .collect();
+            let runs: Vec<RunSamples<'_>> = made
+                .iter()
+                .map(|acceleration| RunSamples {
+                    force: &force,
+                    acceleration,
+                    sampling_rate: rate,
+                    excitation_frequency: hertz,
+                    preload: 1.0,
+                })
+                .collect();
+            let (_, faults) = crate::records(&runs, Some(&[0.1; 4])).unwrap();
+            let mut told: Vec<_> = faults.iter().map(|f| (f.id, f.sensor)).collect();
+            told.retain(|(id, _)| *id != "measurement.offset" || drift > 0.0);
+            let hum = faults.iter().find(|f| f.id == "measurement.hum").unwrap();
+            let [frequency, amplitude] = [0, 1].map(|k| hum.parameters[k].2);
+            assert_eq!(frequency, 50.0, "{record}");
+            assert!((amplitude - 2.2).abs() < 0.05, "{record}: {amplitude}");
+            println!("{record} {faults:?}");
+            assert_eq!(told.len(), if drift > 0.0 { 2 } else { 1 }, "{told:?}");
         }
     }
 
