@@ -96,6 +96,23 @@ impl Boundary {
         Self { support_stiffness, ..Self::default() }
     }
 
+    /// The stiffness `k_s` (N/m) from which a motion `w(L)` tells the reaction of the support, `k_s w(L)`: a pin has a reaction without a motion, and is
+    /// modelled by a spring some thousand times as stiff as the beam, `k_s = 10⁴ EI/L³` and more.
+    ///
+    /// # Errors
+    /// [`BeamError::OutOfRange`] where it is infinite, or below zero.
+    pub fn reaction_stiffness(&self) -> Result<f64, BeamError> {
+        let found = self.support_stiffness;
+        if (0.0..f64::INFINITY).contains(&found) {
+            return Ok(found);
+        }
+        Err(BeamError::OutOfRange {
+            quantity: "support stiffness [N/m]",
+            found,
+            allowed: "0 to any finite value where its reaction is asked; for a pin 1e4 EI/L³ and more",
+        })
+    }
+
     pub(crate) fn check(&self, beam: &UniformBeam) -> Result<(), BeamError> {
         stiffness("clamp rotational stiffness [N·m/rad]", self.clamp_rotational_stiffness)?;
         stiffness("support stiffness [N/m]", self.support_stiffness)?;
@@ -127,4 +144,19 @@ pub(crate) struct Ends {
     pub(crate) clamp_compliance: f64,
     pub(crate) support: f64,
     pub(crate) support_rotation: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `0 · k_s w(L)` of a pin would be no number.
+    #[test]
+    fn the_reaction_of_a_pin_is_not_told_by_its_motion() {
+        assert_eq!(Boundary::spring(2e5).reaction_stiffness(), Ok(2e5));
+        assert_eq!(Boundary::cantilever().reaction_stiffness(), Ok(0.0));
+        let refused = Boundary::pinned().reaction_stiffness().unwrap_err().to_string();
+        assert!(refused.starts_with("support stiffness [N/m] is inf, allowed: 0 to any finite"), "{refused}");
+        assert!(Boundary::spring(f64::NAN).reaction_stiffness().is_err());
+    }
 }

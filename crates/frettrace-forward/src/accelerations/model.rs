@@ -107,8 +107,10 @@ impl AccelerationModel {
     /// A model of the given runs.
     ///
     /// # Errors
-    /// [`AccelerationError::Grid`] where a phase grid would alias, [`AccelerationError::Beam`] where the beam cannot be modelled.
+    /// [`AccelerationError::Grid`] where a phase grid would alias, [`AccelerationError::Beam`] where the beam cannot be modelled, or ends on a
+    /// pin, whose reaction no motion tells.
     pub fn new(rig: Rig, runs: Vec<RunLines>) -> Result<Self, AccelerationError> {
+        rig.boundary.reaction_stiffness()?;
         let declared = rig.declared(&rig.boundary)?;
         Ok(Self { rig, declared, grids: grids(&runs)?, runs, tolerance: 0.02 })
     }

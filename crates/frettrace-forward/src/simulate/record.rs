@@ -185,7 +185,7 @@ impl Job<'_> {
         }
         let normal = Normal {
             port: matches!(self.rig.slip, Slip::Rotation { .. }).then_some(NORMAL),
-            stiffness: self.rig.boundary.support_stiffness,
+            stiffness: self.rig.boundary.reaction_stiffness()?,
             cubic: self.rig.normal.cubic,
             sharpness: self.rig.normal.sharpness,
             power: self.rig.normal.power,
