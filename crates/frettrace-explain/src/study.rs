@@ -86,6 +86,8 @@ pub struct Study<'a> {
     pub(crate) series: Vec<(usize, Arc<SeriesContact>)>,
     /// What the force of a declared second support takes, once it is known how the declared model answers it.
     pub(crate) support: Option<Arc<SupportForce>>,
+    /// The model on the finest grid, where predictions are corrected to those on it.
+    pub(crate) fine: Option<Arc<AccelerationModel>>,
 }
 
 /// A model fitted to the training runs.
@@ -139,7 +141,10 @@ impl<'a> Study<'a> {
             Some((run, Arc::new(contact)))
         });
         let series = series.collect();
-        Ok((Self { case, model, training, held_out, scales, series, support: None }, case.setting(law)))
+        Ok((
+            Self { case, model, training, held_out, scales, series, support: None, fine: None },
+            case.setting(law),
+        ))
     }
 
     /// The least-squares problem of the training runs around `setting`.

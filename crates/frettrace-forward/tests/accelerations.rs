@@ -62,6 +62,36 @@ fn stuck() -> AccelerationModel {
     model.with_runs(runs).unwrap()
 }
 
+/// A prediction corrected by what a grid with three times the lines of contact force adds is that of the fine grid, and so is the one beside the derivatives;
+/// those are the coarse grid's, and a model with other runs has none of it.
+#[test]
+fn a_corrected_prediction_is_that_of_the_finer_grid() {
+    let (coarse, setting) = (model(), setting());
+    let mut runs = coarse.runs.clone();
+    for run in &mut runs {
+        (run.contact_order, run.samples) = (3 * run.contact_order, 1024);
+    }
+    let fine = coarse.with_runs(runs).unwrap();
+    let predicted =
+        |model: &AccelerationModel| model.predict(&setting, &[0, 1], &mut model.memory()).unwrap();
+    let [plain, wanted] = [&coarse, &fine].map(predicted);
+    let apart = difference(&wanted, &plain, 1.0);
+    assert!(size(&apart) > 1e-6 * size(&wanted), "{:e}", size(&apart) / size(&wanted));
+    // The first run keeps its own.
+    let corrected = coarse.corrected(vec![None, Some(apart[1].clone())]).unwrap();
+    let found = predicted(&corrected);
+    assert_eq!(found[0], plain[0]);
+    assert!(size(&difference(&found[1..], &wanted[1..], 1.0)) < 1e-12 * size(&wanted));
+    let slopes = |model: &AccelerationModel| {
+        let quantity = [Quantity::Law(Hook::MuKinetic)];
+        model.linearise(&setting, &quantity, &[1], &mut model.memory()).unwrap().swap_remove(0)
+    };
+    let [own, beside] = [&coarse, &corrected].map(slopes);
+    assert_eq!(beside.columns, own.columns);
+    assert!(size(&difference(&[beside.prediction], &wanted[1..], 1.0)) < 1e-9 * size(&wanted));
+    assert_eq!(predicted(&corrected.with_runs(corrected.runs.clone()).unwrap()), plain);
+}
+
 /// A bristle that holds without flowing up to half its friction, where the path pushes it to the side.
 fn breakaway() -> Setting {
     let mut law = ModifiedLaw::dahl(5e5, 0.25);

@@ -126,6 +126,7 @@ pub(super) fn balanced(case: &Case, lines: Vec<RunLines>) -> Result<Study<'_>, E
         scales: crate::Scales { length: case.rig.beam.length, ..Default::default() },
         series: Vec::new(),
         support: None,
+        fine: None,
     })
 }
 

@@ -4,6 +4,7 @@ use super::{ExplainError, Fitted, Study};
 use crate::search::Explained;
 use crate::{Case, RunRecord};
 use frettrace_forward::accelerations::{AccelerationModel, RunLines};
+use std::sync::Arc;
 
 /// Lines of the excitation that the force of a rigid contact gets at least, …
 const RIGID_LINES: usize = 64;
@@ -12,6 +13,8 @@ const MOST_RIGID_LINES: usize = 256;
 
 /// Lines of contact force from which none are added: the factor of a balance takes the cube of them.
 const FINEST_LINES: usize = 1536;
+/// Doublings of the lines of contact force to the grid that predictions are corrected to.
+const FINEST_DOUBLINGS: usize = 3;
 /// Share of the difference between the predictions of two grids, one twice as fine as the other, that the finer one leaves.
 const GRID_LEFT: f64 = 0.5;
 /// χ² per residual by which a grid that cuts the contact's force short may miss a run: a tenth of the variance.
@@ -34,11 +37,14 @@ pub(super) fn model_lines(case: &Case, record: &RunRecord) -> RunLines {
 
 impl Study<'_> {
     /// The same study on a finer phase grid with twice the lines of contact force: kinks that a law with play, stops or a
-    /// steep rise makes need them. `None` where no run can have more.
+    /// steep rise makes need them. `None` where no run can have more, or the predictions are those of a finer grid already.
     ///
     /// # Errors
     /// [`ExplainError::Model`] where the grid cannot carry the lines.
     pub fn refined(&self) -> Result<Option<Self>, ExplainError> {
+        if self.fine.is_some() {
+            return Ok(None);
+        }
         let mut runs = self.model.runs.clone();
         let mut finer = false;
         for run in runs.iter_mut().filter(|run| 2 * run.contact_order <= FINEST_LINES) {
@@ -75,6 +81,43 @@ impl Study<'_> {
         Ok(cut_short.then(|| self.of_model(model)))
     }
 
+    /// The model on a grid with eight times the lines of contact force, or as many as a balance gets.
+    ///
+    /// # Errors
+    /// [`ExplainError::Model`] where the grid cannot carry the lines.
+    pub(crate) fn finest(&self) -> Result<AccelerationModel, ExplainError> {
+        let mut finest = self.of_model(self.model.with_runs(self.model.runs.clone())?);
+        for _ in 0..FINEST_DOUBLINGS {
+            let Some(finer) = finest.refined()? else { break };
+            finest = finer;
+        }
+        Ok(finest.model)
+    }
+
+    /// The same study whose predictions are corrected to those on a `fine` grid, as they are at a fitted model ([`AccelerationModel::corrected`]). A run that has no
+    /// balance on one of the grids keeps its own.
+    ///
+    /// # Errors
+    /// [`ExplainError::Model`] where the grid cannot carry the lines.
+    pub(crate) fn corrected(
+        &self,
+        fine: &Arc<AccelerationModel>,
+        fitted: &Fitted,
+    ) -> Result<Self, ExplainError> {
+        let plain = self.of_model(self.model.with_runs(self.model.runs.clone())?);
+        let all = self.all_runs();
+        let [fine_lines, lines] =
+            [&self.of_model((**fine).clone()), &plain].map(|study| study.predictions(fitted, &all));
+        let mut corrections = vec![None; plain.model.runs.len()];
+        for ((&run, fine), lines) in all.iter().zip(fine_lines).zip(lines) {
+            let (Some(mut fine), Some(lines)) = (fine, lines) else { continue };
+            fine.iter_mut().flatten().zip(lines.iter().flatten()).for_each(|(fine, line)| *fine -= line);
+            corrections[run] = Some(fine);
+        }
+        let model = plain.model.corrected(corrections)?;
+        Ok(Self { fine: Some(fine.clone()), ..self.of_model(model) })
+    }
+
     /// Counts the error of the phase grid among the deviations of the lines. Twice the lines of force divide it by about three, so
     /// that a grid leaves half of what parts its predictions from those on one with half of its lines. The runs of which that is told: where the
     /// coarser grid has no balance, nothing is.
@@ -84,8 +127,12 @@ impl Study<'_> {
     pub fn doubt_grid(&mut self, fitted: &Fitted) -> Result<Vec<usize>, ExplainError> {
         let all = self.all_runs();
         let mut told = Vec::new();
-        let coarser = self.halved()?;
-        let [before, now] = [&coarser, &*self].map(|study| study.predictions(fitted, &all));
+        let finest = match &self.fine {
+            Some(fine) => self.of_model((**fine).clone()),
+            None => self.clone(),
+        };
+        let coarser = finest.halved()?;
+        let [before, now] = [&coarser, &finest].map(|study| study.predictions(fitted, &all));
         for ((&run, before), now) in all.iter().zip(before).zip(now) {
             let (Some(before), Some(now)) = (before, now) else { continue };
             let known = &self.case.records[run].lines.deviation;
@@ -106,6 +153,14 @@ impl Study<'_> {
         let mut doubted = self.clone();
         doubted.doubt_grid(&model.fitted).ok()?;
         Some(doubted.left_in(&model.fitted, &self.training).is_noise())
+    }
+
+    /// The same study, whose doubts are those of the finest grid.
+    ///
+    /// # Errors
+    /// [`ExplainError::Model`] where the grid cannot carry the lines.
+    pub(crate) fn by_finest(&self) -> Result<Self, ExplainError> {
+        Ok(Self { fine: Some(Arc::new(self.finest()?)), ..self.clone() })
     }
 
     /// What the phase grid of each run may be wrong by, over the noise, in the root mean square of its lines; none where the coarser grid has
@@ -144,6 +199,7 @@ impl Study<'_> {
             scales: self.scales,
             series: self.series.clone(),
             support: self.support.clone(),
+            fine: None,
         }
     }
 }

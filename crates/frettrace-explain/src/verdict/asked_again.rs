@@ -142,7 +142,15 @@ impl<'a> Begun<'a> {
         if !fitted.setting.rigid || follows {
             return Vec::new();
         }
-        study.grid_doubts(fitted).into_iter().filter(|(_, doubt)| *doubt > NEAR).map(|(run, _)| run).collect()
+        unresolved(study, fitted)
+    }
+
+    /// Whether the finest grid resolves some runs.
+    pub(super) fn are_resolved_by_the_finest(&self, runs: &[usize]) -> bool {
+        let finest = self.search.study.by_finest();
+        finest.is_ok_and(|finest| {
+            !unresolved(&finest, &self.baseline.fitted).iter().any(|run| runs.contains(run))
+        })
     }
 
     /// Whether a model of the other runs misses some runs by far more than their phase grid may be wrong by, with that model: they show what the
@@ -310,4 +318,9 @@ impl<'a> Found<'a> {
         chosen.search.refused.extend(other.search.refused);
         chosen
     }
+}
+
+/// Runs of which a model's grid may be wrong by more than [`NEAR`] times the noise.
+fn unresolved(study: &Study<'_>, fitted: &Fitted) -> Vec<usize> {
+    study.grid_doubts(fitted).into_iter().filter(|(_, doubt)| *doubt > NEAR).map(|(run, _)| run).collect()
 }

@@ -6,6 +6,7 @@ use crate::left::LeftLines;
 use crate::search::{Explained, NEAR, excess};
 use crate::{Study, Unknown};
 use frettrace_forward::accelerations::Setting;
+use std::sync::Arc;
 
 /// A model near the data is fitted further, and on a finer grid, before it is judged, and so is one that leaves no more than this share of the excess
 /// before it.
@@ -13,6 +14,8 @@ pub(super) const MOST_TAKEN: f64 = 0.05;
 /// Finer grids, each twice as fine as the one before, that a model may get, and that one with a rigid contact may.
 const MOST_REFINED: usize = 2;
 const MOST_REFINED_RIGID: usize = 3;
+/// Rounds in which the predictions of a rigid contact are corrected to those on a fine grid, each of which may leave a tenth of the error before it.
+const CORRECTIONS: usize = 5;
 /// Steps of a fit that begins anew on a finer grid.
 const ANEW: usize = 30;
 /// Share of the excess that a finer grid must take it to, to be kept, …
@@ -44,6 +47,15 @@ impl Search<'_> {
         let worth = near
             && !told(self, &current)
             && !(current.effects.is_empty() && self.study.share_of_balance(&current) > FINER);
+        if worth
+            && current.fitted.setting.rigid
+            && current.ratio <= NEAR
+            && let Some((study, better)) = on_corrected(&self.study, &current)
+        {
+            let coarser = (std::mem::replace(&mut self.study, study), self.refined);
+            self.coarse.get_or_insert(coarser);
+            current = better;
+        }
         while worth && !told(self, &current) && self.refined < most {
             let finer = if kinked { self.study.refined() } else { self.study.resolved(&current.fitted) };
             let Ok(Some(mut study)) = finer else { break };
@@ -260,4 +272,28 @@ fn doubting(study: &mut Study<'_>, model: &Explained) -> Option<Explained> {
         study.model.runs.iter_mut().zip(known).for_each(|(run, known)| run.deviation = known);
     }
     found
+}
+
+/// A model of a rigid contact with its predictions corrected to those on a fine grid, fitted to them in some rounds; `None` where that leaves no less of the
+/// fitted runs.
+fn on_corrected<'a>(plain: &Study<'a>, current: &Explained) -> Option<(Study<'a>, Explained)> {
+    let fine = Arc::new(plain.finest().ok()?);
+    let (mut at, mut left) = (current.clone(), f64::INFINITY);
+    let mut best = None;
+    for _ in 0..CORRECTIONS {
+        let study = plain.corrected(&fine, &at.fitted).ok()?;
+        // Where the correction was found the error is that on the fine grid itself.
+        let now = excess(study.error(&at.fitted, &study.training).ratio());
+        let settled = now > AT_REST.sqrt() * left;
+        let better = study.polished(&at).ok()?;
+        if now < left {
+            left = now;
+            at = better.clone();
+            best = Some((study, better));
+        }
+        if settled {
+            break;
+        }
+    }
+    best.filter(|(_, better)| better.complete() || left < FINER * current.excess())
 }

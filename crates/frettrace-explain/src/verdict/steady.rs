@@ -6,8 +6,9 @@
 //! that explains them must bring the runs set aside nearer, too, to what a snap leaves. That nothing is missing is not said of a part of the runs.
 //!
 //! A rigid contact may answer a run on more lines than a balance can have, above all where the motion repeats after several periods of
-//! the excitation: what its grid may be wrong by is many times the noise then, and no law can be told in it. The others are asked by
-//! themselves, and what is said is said of them.
+//! the excitation: what its grid may be wrong by is many times the noise then, and no law can be told in it. Where the finest grid resolves it, models that
+//! are corrected to that are asked about all runs first. Otherwise, and where those have no name for what is missing, the others are asked by themselves, and
+//! what is said is said of them.
 
 use super::asked_again::{Begun, answer, answer_from};
 use super::{Outcome, Place, Verdict};
@@ -33,10 +34,19 @@ const LEAST_RESOLVED: usize = 2;
 /// [`ExplainError`] where no run is periodic or the model cannot be evaluated at all.
 pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
     let begun = Begun::new(case, Split::First)?;
-    if let Some(found) = beside_unresolved(case, &begun) {
+    let unresolved = few_unresolved(&begun);
+    let mut of_all = None;
+    if !unresolved.is_empty() && begun.are_resolved_by_the_finest(&unresolved) {
+        let answered = answer_from(case, begun.clone())?;
+        if answered.0.verdict != Verdict::Unexplained {
+            return Ok(answered.0);
+        }
+        of_all = Some(answered);
+    }
+    if let Some(found) = beside_unresolved(case, &begun, &unresolved) {
         return Ok(found);
     }
-    let (mut found, study) = answer_from(case, begun)?;
+    let (mut found, study) = of_all.map_or_else(|| answer_from(case, begun), Ok)?;
     let unexplained = found.verdict == Verdict::Unexplained && found.place == Some(Place::Contact);
     let all = study.all_runs();
     if !unexplained || study.error(&found.model.fitted, &all).ratio() > OF_A_SNAP {
@@ -66,14 +76,20 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
     Ok(asked.map_or(found, |(other, _)| other))
 }
 
-/// What the other runs tell, where a grid resolves those and not a few; `None` where it resolves all, or too many are not.
-fn beside_unresolved(case: &Case, begun: &Begun<'_>) -> Option<Outcome> {
+/// The runs that a grid does not resolve, where these are few: none where it resolves all, or too many are not.
+fn few_unresolved(begun: &Begun<'_>) -> Vec<usize> {
     let unresolved = begun.unresolved();
     let resolved = begun.runs() - unresolved.len();
-    if unresolved.is_empty() || resolved < LEAST_STEADY || resolved < LEAST_RESOLVED * unresolved.len() {
+    let few = resolved >= LEAST_STEADY && resolved >= LEAST_RESOLVED * unresolved.len();
+    if few { unresolved } else { Vec::new() }
+}
+
+/// What the runs beside the unresolved ones tell; `None` where there is none of those.
+fn beside_unresolved(case: &Case, begun: &Begun<'_>, unresolved: &[usize]) -> Option<Outcome> {
+    if unresolved.is_empty() {
         return None;
     }
-    let mut aside = [&case.aside[..], &unresolved].concat();
+    let mut aside = [&case.aside[..], unresolved].concat();
     aside.sort_unstable();
     let mut found = explain(&Case { aside, ..case.clone() }).ok()?;
     // That nothing is missing is said where the declared model follows all that it was fitted to, and misses runs held out alone.
@@ -81,7 +97,7 @@ fn beside_unresolved(case: &Case, begun: &Begun<'_>) -> Option<Outcome> {
         return None;
     }
     // What has no name is not told better by more runs.
-    if found.verdict != Verdict::Unexplained && begun.shows_more(&found.model.fitted, &unresolved) {
+    if found.verdict != Verdict::Unexplained && begun.shows_more(&found.model.fitted, unresolved) {
         return None;
     }
     found.notes.push(format!(

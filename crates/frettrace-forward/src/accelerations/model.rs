@@ -83,6 +83,8 @@ pub struct AccelerationModel {
     /// The runs.
     pub runs: Vec<RunLines>,
     grids: Arc<Vec<Grid>>,
+    /// What is added to the predicted lines of a run ([`Self::corrected`]).
+    corrections: Vec<Option<Prediction>>,
     /// Largest imbalance of a line that still counts as balanced, in standard deviations of the line.
     pub tolerance: f64,
 }
@@ -112,16 +114,35 @@ impl AccelerationModel {
     pub fn new(rig: Rig, runs: Vec<RunLines>) -> Result<Self, AccelerationError> {
         rig.boundary.reaction_stiffness()?;
         let declared = rig.declared(&rig.boundary)?;
-        Ok(Self { rig, declared, grids: grids(&runs)?, runs, tolerance: 0.02 })
+        Ok(Self { rig, declared, grids: grids(&runs)?, runs, corrections: Vec::new(), tolerance: 0.02 })
     }
 
-    /// The same rig, held to the same tolerance, with other runs; its beam is not solved again.
+    /// The same rig, held to the same tolerance, with other runs and no corrections; its beam is not solved again.
     ///
     /// # Errors
     /// [`AccelerationError::Grid`] where a phase grid would alias.
     pub fn with_runs(&self, runs: Vec<RunLines>) -> Result<Self, AccelerationError> {
         let (rig, declared) = (self.rig.clone(), self.declared.clone());
-        Ok(Self { rig, declared, grids: grids(&runs)?, runs, tolerance: self.tolerance })
+        let (grids, corrections) = (grids(&runs)?, Vec::new());
+        Ok(Self { rig, declared, grids, runs, corrections, tolerance: self.tolerance })
+    }
+
+    /// The same model whose predictions of each run have a correction `d` added to their lines, where there is one: a prediction on a coarse grid
+    /// with `d = p_fine(θ₀) − p_coarse(θ₀)` is that of the fine grid at `θ₀`, and beside it as far as the error of the coarse one is the same
+    /// there. Derivatives are those of the coarse grid (defect correction: Stetter, Numer. Math. 29 (1978) 425).
+    ///
+    /// # Errors
+    /// As [`Self::with_runs`].
+    pub fn corrected(&self, corrections: Vec<Option<Prediction>>) -> Result<Self, AccelerationError> {
+        Ok(Self { corrections, ..self.with_runs(self.runs.clone())? })
+    }
+
+    fn correct(&self, run: usize, mut predicted: Prediction) -> Prediction {
+        if let Some(correction) = self.corrections.get(run).and_then(Option::as_ref) {
+            let lines = predicted.iter_mut().flatten().zip(correction.iter().flatten());
+            lines.for_each(|(line, more)| *line += more);
+        }
+        predicted
     }
 
     /// Its phase grids.
@@ -249,7 +270,8 @@ impl AccelerationModel {
             let prepared = self.prepare(&structure, setting, run);
             let evaluation = self.evaluation(structure.layout(), setting, &prepared, run);
             solved(&evaluation, kept, run).map_err(|left| not_balanced(run, left))?;
-            Ok(distort(evaluation.accelerations(&kept.unknowns), setting, self.runs[run].omega))
+            let plain = distort(evaluation.accelerations(&kept.unknowns), setting, self.runs[run].omega);
+            Ok(self.correct(run, plain))
         }))
     }
 
@@ -308,7 +330,8 @@ impl AccelerationModel {
                 moved: &moved,
                 run,
             };
-            Ok(differentiation.at(kept))
+            let found = differentiation.at(kept);
+            Ok(Linearised { prediction: self.correct(run, found.prediction), ..found })
         })
         .into_iter()
         .collect()
