@@ -6,9 +6,9 @@
 //! that explains them must bring the runs set aside nearer, too, to what a snap leaves. That nothing is missing is not said of a part of the runs.
 //!
 //! A rigid contact may answer a run on more lines than a balance can have, above all where the motion repeats after several periods of
-//! the excitation: what its grid may be wrong by is many times the noise then, and no law can be told in it. Where the finest grid resolves it, models that
-//! are corrected to that are asked about all runs first. Otherwise, and where those have no name for what is missing, the others are asked by themselves, and
-//! what is said is said of them.
+//! the excitation: what its grid may be wrong by is many times the noise then, and no law can be told in it. The others are asked by
+//! themselves, and what is said is said of them. Where they have no name for what is missing and the finest grid resolves all runs, models that are corrected to
+//! that are asked about all of them.
 
 use super::asked_again::{Begun, answer, answer_from};
 use super::{Outcome, Place, Verdict};
@@ -35,18 +35,12 @@ const LEAST_RESOLVED: usize = 2;
 pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
     let begun = Begun::new(case, Split::First)?;
     let unresolved = few_unresolved(&begun);
-    let mut of_all = None;
-    if !unresolved.is_empty() && begun.are_resolved_by_the_finest(&unresolved) {
-        let answered = answer_from(case, begun.clone())?;
-        if answered.0.verdict != Verdict::Unexplained {
-            return Ok(answered.0);
-        }
-        of_all = Some(answered);
-    }
     if let Some(found) = beside_unresolved(case, &begun, &unresolved) {
-        return Ok(found);
+        let done = found.verdict != Verdict::Unexplained || !begun.are_resolved_by_the_finest(&unresolved);
+        let of_all = if done { None } else { Some(answer_from(case, begun)?.0) };
+        return Ok(of_all.filter(|of_all| of_all.verdict != Verdict::Unexplained).unwrap_or(found));
     }
-    let (mut found, study) = of_all.map_or_else(|| answer_from(case, begun), Ok)?;
+    let (mut found, study) = answer_from(case, begun)?;
     let unexplained = found.verdict == Verdict::Unexplained && found.place == Some(Place::Contact);
     let all = study.all_runs();
     if !unexplained || study.error(&found.model.fitted, &all).ratio() > OF_A_SNAP {
