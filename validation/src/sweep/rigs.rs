@@ -41,7 +41,7 @@ pub struct Choice {
 pub enum Kind {
     /// Strips near a resonance, in records of twelve periods and more.
     Bench,
-    /// Any of [`wide`].
+    /// Tubes and strips, ends on pins and springs, excitation beside the resonances, short records.
     Wide,
 }
 
