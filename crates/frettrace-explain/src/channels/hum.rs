@@ -349,14 +349,17 @@ mod tests {
                 })
                 .collect();
             let (_, faults) = crate::records(&runs, Some(&[0.1; 4])).unwrap();
-            let mut told: Vec<_> = faults.iter().map(|f| (f.id, f.sensor)).collect();
-            told.retain(|(id, _)| *id != "measurement.offset" || drift > 0.0);
             let hum = faults.iter().find(|f| f.id == "measurement.hum").unwrap();
             let [frequency, amplitude] = [0, 1].map(|k| hum.parameters[k].2);
             assert_eq!(frequency, 50.0, "{record}");
             assert!((amplitude - 2.2).abs() < 0.05, "{record}: {amplitude}");
-            println!("{record} {faults:?}");
-            assert_eq!(told.len(), if drift > 0.0 { 2 } else { 1 }, "{told:?}");
+            let mut values = faults.iter().flat_map(|fault| &fault.parameters);
+            let ramp = values.find(|(name, ..)| name == "drift_over_record").map(|found| found.2);
+            match ramp {
+                Some(ramp) => assert!((ramp - drift).abs() < 0.1, "{record}: {ramp}"),
+                None => assert!(drift == 0.0, "{record}"),
+            }
+            assert!(faults.iter().all(|fault| fault.sensor == 0), "{faults:?}");
         }
     }
 
