@@ -274,8 +274,8 @@ fn doubting(study: &mut Study<'_>, model: &Explained) -> Option<Explained> {
     found
 }
 
-/// A model of a rigid contact with its predictions corrected to those on a fine grid, fitted to them in some rounds; `None` where that leaves no less of the
-/// fitted runs.
+/// A model of a rigid contact with its predictions corrected to those on a fine grid, fitted to them in some rounds; `None` where that is not complete and takes less
+/// than a third of what was left of the fitted runs.
 fn on_corrected<'a>(plain: &Study<'a>, current: &Explained) -> Option<(Study<'a>, Explained)> {
     let fine = Arc::new(plain.finest().ok()?);
     let (mut at, mut left) = (current.clone(), f64::INFINITY);
