@@ -24,6 +24,7 @@ mod effect;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use frettrace_beam::UniformBeam;
 use frettrace_forward::simulate::Beat;
 use frettrace_friction::{FrictionModel, Law, Parameter};
 use serde::Deserialize;
@@ -89,6 +90,20 @@ pub struct RigBeam {
     pub area_m2: Option<f64>,
     /// Second moment of area (m⁴).
     pub second_moment_m4: Option<f64>,
+}
+
+impl RigBeam {
+    /// The beam with its section, `A = b·h` and `I = b·h³/12` unless both are given.
+    #[must_use]
+    pub fn uniform(&self) -> UniformBeam {
+        let area = self.area_m2.unwrap_or(self.width_m * self.thickness_m);
+        let second_moment = self.second_moment_m4.unwrap_or(self.width_m * self.thickness_m.powi(3) / 12.0);
+        UniformBeam {
+            length: self.length_m,
+            bending_stiffness: self.youngs_modulus_pa * second_moment,
+            mass_per_length: self.density_kg_per_m3 * area,
+        }
+    }
 }
 
 /// The clamp.

@@ -6,7 +6,7 @@ mod recorded;
 
 use std::f64::consts::TAU;
 
-use frettrace_beam::{Boundary, ModalModel, ModalOptions, UniformBeam};
+use frettrace_beam::{Boundary, ModalModel, ModalOptions};
 use frettrace_forward::march::{Characteristic, Modulation, Settling};
 use frettrace_forward::simulate as forward;
 use frettrace_forward::simulate::{Attached, Chain, Marching, SimulatedRig, SimulatedRun};
@@ -66,21 +66,13 @@ pub fn simulate(rig: &Rig, progress: &Progress) -> Result<Simulation, StudyError
     Ok(Simulation { measurement: measurement(rig, &runs, records)?, truth, settled, marching })
 }
 
-fn beam(rig: &Rig) -> UniformBeam {
-    let b = &rig.beam;
-    let area = b.area_m2.unwrap_or(b.width_m * b.thickness_m);
-    let second_moment = b.second_moment_m4.unwrap_or(b.width_m * b.thickness_m.powi(3) / 12.0);
-    UniformBeam {
-        length: b.length_m,
-        bending_stiffness: b.youngs_modulus_pa * second_moment,
-        mass_per_length: b.density_kg_per_m3 * area,
-    }
-}
-
 fn boundary(rig: &Rig) -> Boundary {
     Boundary {
         clamp_rotational_stiffness: rig.clamp.rotational_stiffness_n_m_per_rad,
-        support_stiffness: told_apart(rig.support.normal_stiffness_n_per_m.unwrap_or(0.0), &beam(rig)),
+        support_stiffness: told_apart(
+            rig.support.normal_stiffness_n_per_m.unwrap_or(0.0),
+            &rig.beam.uniform(),
+        ),
         support_rotational_stiffness: 0.0,
     }
 }
@@ -93,7 +85,7 @@ fn declared_modes(rig: &Rig, boundary: &Boundary, count: usize) -> Result<[Vec<f
         damping_ratio: rig.modes.damping_ratio.clone(),
         ..ModalOptions::default()
     };
-    let model = ModalModel::new(&beam(rig), boundary, &options)?;
+    let model = ModalModel::new(&rig.beam.uniform(), boundary, &options)?;
     Ok([model.natural_frequency()[..count].to_vec(), model.damping_ratio()[..count].to_vec()])
 }
 
@@ -114,7 +106,7 @@ pub(crate) fn simulated_rig(rig: &Rig) -> Result<SimulatedRig, StudyError> {
     let sensor =
         |&position: &f64| forward::SimulatedSensor { position, chain: chain.clone(), cross_talk: None };
     let mut simulated = SimulatedRig {
-        beam: beam(rig),
+        beam: rig.beam.uniform(),
         boundary: boundary(rig),
         modes: MODES,
         natural_frequency,

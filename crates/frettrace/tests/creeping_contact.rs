@@ -1,12 +1,9 @@
 //! A contact that creeps towards its steady state for longer than its record lasts.
 
-use frettrace::Progress;
-use frettrace::explain::{ExplainOptions, explain};
+mod answers;
+
+use answers::{explained, measured, named, over_noise};
 use frettrace::results::Verdict;
-use frettrace::rig::parse_rig;
-use frettrace::simulate::simulate;
-use frettrace_measurement::Recording;
-use std::path::Path;
 
 /// A steel beam whose end slides across its support on bristles that are elastic up to a breakaway, from runs that hold to runs that slide. Where sliding
 /// begins, the deflection of the bristles returns to its steady state by some hundredths in a period at most: `1 + R₀Pσ₀` = 15 on this soft beam.
@@ -55,12 +52,11 @@ force_amplitude_n = [9.6, 13.4, 18.9, 26.5, 37.2, 52.2, 73.2, 102.8, 144.3]
 /// of these runs their own, and the law in another valley, a spring beside the contact was named that is nothing within its deviation.
 #[test]
 fn a_contact_that_creeps_lacks_nothing() {
-    let rig = parse_rig(RIG, Path::new("rig.toml")).unwrap();
-    let recording = Recording::Measurement(simulate(&rig, &Progress::silent()).unwrap().measurement);
-    let found = explain(&recording, &ExplainOptions::default(), &Progress::silent()).unwrap();
+    let found = explained(measured(RIG, |_| {}));
     assert_eq!(found.verdict, Verdict::NothingMissing, "{:?}", found.notes);
-    let held_out = found.held_out.as_ref().unwrap();
-    assert!(held_out.after < 1.03 * held_out.noise_floor, "{} {}", held_out.after, held_out.noise_floor);
+    assert!(named(&found).is_empty(), "{:?}", named(&found));
+    let [_, after] = over_noise(&found);
+    assert!(after < 1.03, "{after}");
     assert!(
         found.notes.iter().any(|note| note.contains("had not come to their steady state")),
         "{:?}",

@@ -1,8 +1,10 @@
 //! A beam that turns over a support which does not give: the reaction there loads and relieves the contact all the same.
 
+mod answers;
 mod demonstration;
 
-use demonstration::{explained, measured, named, over_noise};
+use answers::{explained, named, over_noise};
+use demonstration::measured;
 use frettrace::results::{Explanation, Verdict};
 
 /// The demonstration rig on a pin. In the largest run its normal force swings from −31 to 163 N about 65 N.

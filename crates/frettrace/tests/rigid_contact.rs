@@ -1,12 +1,9 @@
 //! A rigid contact in short records: the motion of a beam whose modes above the measured lines ring with every turn of the slip.
 
-use frettrace::Progress;
-use frettrace::explain::{ExplainOptions, explain};
-use frettrace::results::{Explanation, Verdict};
-use frettrace::rig::parse_rig;
-use frettrace::simulate::simulate;
-use frettrace_measurement::Recording;
-use std::path::Path;
+mod answers;
+
+use answers::{explained, measured, named, over_noise};
+use frettrace::results::Verdict;
 
 /// A steel beam whose end slides across its support, in records that hold lines up to 410 Hz: its fourth to sixth modes lie at 518, 856 and 1279 Hz, the last
 /// of them just above the 64th line of the excitation.
@@ -43,30 +40,22 @@ preload_n = 12.64
 force_amplitude_n = [3.034, 4.696, 7.27, 11.26, 17.42, 26.97]
 "#;
 
-/// What the rig lacks with `effects`, tables of its file.
-#[expect(clippy::unwrap_used, reason = "helpers of tests may unwrap")]
-fn explained(effects: &str) -> Explanation {
-    let rig = parse_rig(&(RIG.to_owned() + effects), Path::new("rig.toml")).unwrap();
-    let recording = Recording::Measurement(simulate(&rig, &Progress::silent()).unwrap().measurement);
-    explain(&recording, &ExplainOptions::default(), &Progress::silent()).unwrap()
-}
-
 /// Balances with 64 and with 128 lines of contact force are two and three times the noise from the march in time that made the data, the second one farther
 /// than the first: on a grid twice as fine nothing was gained, and what a fit had bent to the coarse one missed the runs held out by 2.4 times the noise. Its
 /// predictions corrected to those with 512 lines, it lacks nothing, and a sensor 4.5 mm from its place is found there.
 #[test]
 fn a_rigid_contact_is_compared_on_a_grid_that_resolves_it() {
-    let clean = explained("");
+    let clean = explained(measured(RIG, |_| {}));
     assert_eq!(clean.verdict, Verdict::NothingMissing, "{:?}", clean.notes);
     let friction = clean.model.parameters["mu_k"].value;
     assert!((friction - 0.1989).abs() < 2e-4, "{friction}");
 
-    let found = explained("[[effect]]\nid = \"measurement.position\"\nsensor = 7\nshift_m = 4.5e-3\n");
-    let names: Vec<&str> = found.effects.iter().map(|effect| effect.id.as_str()).collect();
-    assert_eq!(names, ["measurement.position"], "{:?}", found.notes);
+    let displaced = "[[effect]]\nid = \"measurement.position\"\nsensor = 7\nshift_m = 4.5e-3\n";
+    let found = explained(measured(&(RIG.to_owned() + displaced), |_| {}));
+    assert_eq!(named(&found), ["measurement.position"], "{:?}", found.notes);
     let shift = found.effects[0].parameters["shift"].value;
     assert!((shift - 4.5e-3).abs() < 5e-5, "{shift}");
-    for held_out in [clean.held_out, found.held_out].map(Option::unwrap) {
-        assert!(held_out.after < 1.03 * held_out.noise_floor, "{} {}", held_out.after, held_out.noise_floor);
+    for [_, after] in [&clean, &found].map(over_noise) {
+        assert!(after < 1.03, "{after}");
     }
 }

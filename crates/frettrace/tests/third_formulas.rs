@@ -1,8 +1,10 @@
 //! Effects in formulas that the model that explains does not have, on the demonstration rig.
 
+mod answers;
 mod demonstration;
 
-use demonstration::{explained, measured, named, over_noise};
+use answers::{explained, named, over_noise};
+use demonstration::measured;
 
 /// The name is the claim, and not the formula: a viscous force that follows the inverse hyperbolic sine of the speed (Eyring), a channel with two slow stages,
 /// a stop along the beam that touches softly, a curve with an exponent of its own that lags on a law without one.

@@ -1,8 +1,10 @@
 //! Two effects at once on the demonstration rig, and one that two had been named for.
 
+mod answers;
 mod demonstration;
 
-use demonstration::{explained, measured, named, over_noise};
+use answers::{explained, named, over_noise};
+use demonstration::measured;
 
 const RUBBING: &str = "[[effect]]\nid = \"structure.second-support/rubbing\"\nposition_m = 0.28\nlevel_n = 0.4\nvelocity_m_per_s = 5e-3\n";
 

@@ -70,8 +70,7 @@ fn settled(random: &mut Pcg64, mut drawn: Drawn, choice: &Choice) -> anyhow::Res
     if scale.largest_level > 3e3 || scale.velocity <= 0.0 {
         return Ok(None);
     }
-    // On a pin the normal force is the preload.
-    if choice.slip == RigSlip::Rotation && scale.opening > 0.0 {
+    if choice.slip == RigSlip::Rotation {
         // A contact that opens is an effect of its own; a soft support is wanted for what the normal force does.
         let wanted = if choice.soft { random.random_range(0.3..0.9) } else { scale.opening.min(0.6) };
         load(&mut drawn, &mut scale, wanted);

@@ -112,10 +112,6 @@ pub fn draw(random: &mut impl Rng, choice: &Choice) -> anyhow::Result<Drawn> {
     let frequency = near * off_resonance(random, turns);
     let friction = if turns { mu_k * preload * lever / length } else { mu_k * preload };
     let sampling = sampling(random, frequency);
-    let mut parameters = BTreeMap::from([("mu_k".to_owned(), mu_k)]);
-    if !RIGID.contains(&choice.law) {
-        parameters.insert("sigma0_per_m".to_owned(), tangential / preload);
-    }
     let rig = Rig {
         title: "a rig of the sweep".to_owned(),
         seed: random.random_range(1..1 << 31),
@@ -126,7 +122,7 @@ pub fn draw(random: &mut impl Rng, choice: &Choice) -> anyhow::Result<Drawn> {
         clamp: RigClamp::default(),
         second_support: None,
         effects: Vec::new(),
-        support: support(choice, [lever, stiffness], parameters),
+        support: support(choice, [lever, stiffness], [mu_k, tangential / preload]),
         beam,
         sampling,
     };
@@ -135,9 +131,14 @@ pub fn draw(random: &mut impl Rng, choice: &Choice) -> anyhow::Result<Drawn> {
     Ok(Drawn { rig, bending, mass, frequency, mode, tangential, noise_share })
 }
 
-/// A support with its lever arm (m) and normal stiffness (N/m), where the slip is a rotation.
-fn support(choice: &Choice, [lever, stiffness]: [f64; 2], parameters: BTreeMap<String, f64>) -> RigSupport {
+/// A support with its lever arm (m) and normal stiffness (N/m), where the slip is a rotation; friction and, where the law has one, the stiffness of the
+/// bristles over the preload (1/m).
+fn support(choice: &Choice, [lever, stiffness]: [f64; 2], [mu_k, sigma0]: [f64; 2]) -> RigSupport {
     let turns = choice.slip == RigSlip::Rotation;
+    let mut parameters = BTreeMap::from([("mu_k".to_owned(), mu_k)]);
+    if !RIGID.contains(&choice.law) {
+        parameters.insert("sigma0_per_m".to_owned(), sigma0);
+    }
     RigSupport {
         slip: choice.slip,
         lever_arm_m: turns.then_some(lever),

@@ -331,24 +331,12 @@ mod tests {
             let noise = |run: usize, s: usize, k: usize| {
                 signals[run][s][k % 4096] - (TAU * 99.4 * (k % 4096) as f64 / 1e4).sin()
             };
-            let made: Vec<Vec<Vec<f64>>> = (0..4)
-                .map(|run| {
-                    let channel =
-                        |s| (0..record).map(|k| force[k] + added(s, k) + noise(run, s, k)).collect();
-                    (0..4).map(channel).collect()
-                })
-                .collect();
-            let runs: Vec<RunSamples<'_>> = made
-                .iter()
-                .map(|acceleration| RunSamples {
-                    force: &force,
-                    acceleration,
-                    sampling_rate: rate,
-                    excitation_frequency: hertz,
-                    preload: 1.0,
-                })
-                .collect();
-            let (_, faults) = crate::records(&runs, Some(&[0.1; 4])).unwrap();
+            let heard = |run: usize, s: usize| -> Vec<f64> {
+                (0..record).map(|k| force[k] + added(s, k) + noise(run, s, k)).collect()
+            };
+            let signals = (0..4).map(|run| (0..4).map(|s| heard(run, s)).collect()).collect();
+            let laboratory = Laboratory { rate, frequency: hertz, force: force.clone(), signals };
+            let (_, faults) = crate::records(&laboratory.runs(), Some(&[0.1; 4])).unwrap();
             let hum = faults.iter().find(|f| f.id == "measurement.hum").unwrap();
             let [frequency, amplitude] = [0, 1].map(|k| hum.parameters[k].2);
             assert_eq!(frequency, 50.0, "{record}");

@@ -86,12 +86,21 @@ impl Study<'_> {
     /// # Errors
     /// [`ExplainError::Model`] where the grid cannot carry the lines.
     pub(crate) fn finest(&self) -> Result<AccelerationModel, ExplainError> {
-        let mut finest = self.of_model(self.model.with_runs(self.model.runs.clone())?);
+        let mut finest = self.plain()?;
         for _ in 0..FINEST_DOUBLINGS {
             let Some(finer) = finest.refined()? else { break };
             finest = finer;
         }
         Ok(finest.model)
+    }
+
+    /// The same study without corrections.
+    fn plain(&self) -> Result<Self, ExplainError> {
+        // On the same grid, so that what was predicted on it is known.
+        if self.fine.is_none() {
+            return Ok(self.clone());
+        }
+        Ok(self.of_model(self.model.with_runs(self.model.runs.clone())?))
     }
 
     /// The same study whose predictions are corrected to those on a `fine` grid, as they are at a fitted model ([`AccelerationModel::corrected`]). A run that has no
@@ -104,10 +113,9 @@ impl Study<'_> {
         fine: &Arc<AccelerationModel>,
         fitted: &Fitted,
     ) -> Result<Self, ExplainError> {
-        let plain = self.of_model(self.model.with_runs(self.model.runs.clone())?);
+        let (plain, finest) = (self.plain()?, self.of_model((**fine).clone()));
         let all = self.all_runs();
-        let [fine_lines, lines] =
-            [&self.of_model((**fine).clone()), &plain].map(|study| study.predictions(fitted, &all));
+        let [fine_lines, lines] = [&finest, &plain].map(|study| study.predictions(fitted, &all));
         let mut corrections = vec![None; plain.model.runs.len()];
         for ((&run, fine), lines) in all.iter().zip(fine_lines).zip(lines) {
             let (Some(mut fine), Some(lines)) = (fine, lines) else { continue };

@@ -36,9 +36,13 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
     let begun = Begun::new(case, Split::First)?;
     let unresolved = few_unresolved(&begun);
     if let Some(found) = beside_unresolved(case, &begun, &unresolved) {
-        let done = found.verdict != Verdict::Unexplained || !begun.are_resolved_by_the_finest(&unresolved);
-        let of_all = if done { None } else { Some(answer_from(case, begun)?.0) };
-        return Ok(of_all.filter(|of_all| of_all.verdict != Verdict::Unexplained).unwrap_or(found));
+        if found.verdict == Verdict::Unexplained && begun.are_resolved_by_the_finest(&unresolved) {
+            let (of_all, _) = answer_from(case, begun)?;
+            if of_all.verdict != Verdict::Unexplained {
+                return Ok(of_all);
+            }
+        }
+        return Ok(found);
     }
     let (mut found, study) = answer_from(case, begun)?;
     let unexplained = found.verdict == Verdict::Unexplained && found.place == Some(Place::Contact);

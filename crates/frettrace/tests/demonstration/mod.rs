@@ -1,39 +1,17 @@
 //! The demonstration rig with other effects than its own.
-#![expect(clippy::unwrap_used, reason = "helpers of tests may unwrap")]
 
-use frettrace::Progress;
-use frettrace::explain::{ExplainOptions, explain};
-use frettrace::results::Explanation;
-use frettrace::rig::{Rig, parse_rig};
-use frettrace::simulate::simulate;
-use frettrace_measurement::{Measurement, Recording};
-use std::path::Path;
+use crate::answers;
+use frettrace::rig::Rig;
+use frettrace_measurement::Measurement;
 
 const RIG: &str = include_str!("../../../../data/demo/rig.toml");
 
 /// What the rig measures with `effects`, tables of its file, under a share of its forces (of a half its contact stays closed) and once it is changed.
 pub fn measured(effects: &str, share: f64, change: impl FnOnce(&mut Rig)) -> Measurement {
-    let text = RIG.split("[[effect]]").next().unwrap().to_owned() + effects;
-    let mut rig = parse_rig(&text, Path::new("rig.toml")).unwrap();
-    let forces = rig.runs.iter_mut().flat_map(|runs| &mut runs.force_amplitude_n);
-    forces.for_each(|force| *force *= share);
-    change(&mut rig);
-    simulate(&rig, &Progress::silent()).unwrap().measurement
-}
-
-/// What it lacks.
-pub fn explained(measurement: Measurement) -> Explanation {
-    let recording = Recording::Measurement(measurement);
-    explain(&recording, &ExplainOptions::default(), &Progress::silent()).unwrap()
-}
-
-/// Ids of the named effects.
-pub fn named(found: &Explanation) -> Vec<&str> {
-    found.effects.iter().map(|effect| effect.id.as_str()).collect()
-}
-
-/// Error of the runs held out over their noise, before and after.
-pub fn over_noise(found: &Explanation) -> [f64; 2] {
-    let held_out = found.held_out.as_ref().unwrap();
-    [held_out.before, held_out.after].map(|error| error / held_out.noise_floor)
+    let text = RIG.split("[[effect]]").next().unwrap_or_default().to_owned() + effects;
+    answers::measured(&text, |rig| {
+        let forces = rig.runs.iter_mut().flat_map(|runs| &mut runs.force_amplitude_n);
+        forces.for_each(|force| *force *= share);
+        change(rig);
+    })
 }

@@ -1,14 +1,13 @@
 //! Rigs farther from each other than those of the first sweep: tubes and strips, ends on a pin or on a spring of any stiffness, small lever arms,
 //! excitation beside the resonances, short records, levels from holding to sliding all the way, sensors anywhere.
 
-use super::{Choice, Drawn, MATERIALS, RIGID, support};
+use super::{Choice, Drawn, MATERIALS, support};
 use frettrace::rig::{
     Rig, RigBeam, RigClamp, RigExciter, RigModes, RigRuns, RigSampling, RigSensors, RigSlip,
 };
-use frettrace_beam::{Boundary, UniformBeam, mode_shapes};
+use frettrace_beam::{Boundary, mode_shapes};
 use rand::seq::IndexedRandom;
 use rand::{Rng, RngExt};
-use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
 /// Draws a rig.
@@ -18,7 +17,7 @@ use std::f64::consts::{PI, TAU};
 pub(super) fn draw(random: &mut impl Rng, choice: &Choice) -> anyhow::Result<Drawn> {
     let turns = choice.slip == RigSlip::Rotation;
     let beam = beam(random);
-    let uniform = uniform(&beam);
+    let uniform = beam.uniform();
     let (length, bending) = (beam.length_m, uniform.bending_stiffness);
     let end = match (turns, choice.soft) {
         (false, _) => 0.0,
@@ -38,10 +37,6 @@ pub(super) fn draw(random: &mut impl Rng, choice: &Choice) -> anyhow::Result<Dra
     let bent = largest * length.powi(3) / (3.0 * bending);
     let slip = if turns { 3.0 * bent / length * lever } else { bent };
     let tangential = mu_k * preload / (slip * between(random, [0.02, 0.3]));
-    let mut parameters = BTreeMap::from([("mu_k".to_owned(), mu_k)]);
-    if !RIGID.contains(&choice.law) {
-        parameters.insert("sigma0_per_m".to_owned(), tangential / preload);
-    }
     let rig = Rig {
         title: "a rig of the wide sweep".to_owned(),
         seed: random.random_range(1..1 << 31),
@@ -52,7 +47,7 @@ pub(super) fn draw(random: &mut impl Rng, choice: &Choice) -> anyhow::Result<Dra
         clamp: RigClamp::default(),
         second_support: None,
         effects: Vec::new(),
-        support: support(choice, [lever, end], parameters),
+        support: support(choice, [lever, end], [mu_k, tangential / preload]),
         sampling: sampling(random, frequency),
         beam,
     };
@@ -89,19 +84,6 @@ fn beam(random: &mut impl Rng) -> RigBeam {
         thickness_m: outer,
         area_m2: Some(PI / 4.0 * (outer * outer - inner * inner)),
         second_moment_m4: Some(PI / 64.0 * (outer.powi(4) - inner.powi(4))),
-        ..strip
-    }
-}
-
-fn uniform(beam: &RigBeam) -> UniformBeam {
-    let section = [beam.width_m, beam.thickness_m];
-    let strip =
-        UniformBeam::rectangular(beam.length_m, section, beam.youngs_modulus_pa, beam.density_kg_per_m3);
-    UniformBeam {
-        bending_stiffness: beam
-            .second_moment_m4
-            .map_or(strip.bending_stiffness, |moment| beam.youngs_modulus_pa * moment),
-        mass_per_length: beam.area_m2.map_or(strip.mass_per_length, |area| beam.density_kg_per_m3 * area),
         ..strip
     }
 }
