@@ -50,8 +50,11 @@ impl Search<'_> {
         if worth
             && current.fitted.setting.rigid
             && current.ratio <= NEAR
-            && let Some((study, better)) = on_corrected(&self.study, &current)
+            && let Some((mut study, mut better)) = on_corrected(&self.study, &current)
         {
+            if kinked && let Some(doubted) = doubting(&mut study, &better) {
+                better = doubted;
+            }
             let coarser = (std::mem::replace(&mut self.study, study), self.refined);
             self.coarse.get_or_insert(coarser);
             current = better;
@@ -286,12 +289,15 @@ fn on_corrected<'a>(plain: &Study<'a>, current: &Explained) -> Option<(Study<'a>
         let now = excess(study.error(&at.fitted, &study.training).ratio());
         let settled = now > AT_REST.sqrt() * left;
         let better = study.polished(&at).ok()?;
+        let leaves = better.excess();
         if now < left {
             left = now;
             at = better.clone();
             best = Some((study, better));
         }
-        if settled {
+        // What a fit to the corrected predictions leaves is what the next round finds on the fine grid, but for what the fit has moved:
+        // where that is too much, the round is spared.
+        if settled || leaves > FINER * current.excess() {
             break;
         }
     }
