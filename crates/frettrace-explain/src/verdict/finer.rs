@@ -236,7 +236,8 @@ fn on_finer(study: &Study<'_>, current: &Explained) -> Option<Explained> {
     let done = |best: Option<&Explained>| {
         best.is_some_and(|best| best.complete() || best.excess() < AT_REST * current.excess())
     };
-    if !setting.rigid || done(best.as_ref()) {
+    // One that is all but within the noise is where the data are.
+    if !setting.rigid || current.ratio <= BORNE_OUT || done(best.as_ref()) {
         return best;
     }
     // From the recovered forces a rigid contact may come to another motion than the one that it had on the coarser grid.

@@ -3,6 +3,7 @@
 //! Effects are found one after the other, each by what the whole model leaves with it. Where two act and none of them is small, that says little: with
 //! either one alone the model is as far off as the other one makes it. The balance knows of no law and is a least-squares problem in both: the best
 //! of its single effects are each asked which second one takes what they leave, and what does is fitted as a whole, both effects from the start.
+//! A pair that leaves more than the noise has other laboratories' formulas, where that is a trace of what was missing and no other pair comes near.
 //!
 //! Where one of the two acts in the contact, the other one alone closes the balance, and leaves the whole model as far off as the contact's makes it:
 //! what it leaves there says nothing against it.
@@ -16,7 +17,7 @@ use super::{BALANCE_CLOSED, EVIDENCE, FORETOLD, Rival, Search, Tried, least_exce
 use crate::balance_fit::BalanceCandidate;
 use crate::contact_search::ContactCandidate;
 use crate::effects::ALL;
-use crate::search::{DOMINANT, Explained};
+use crate::search::{DOMINANT, Explained, RIVALS};
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::Setting;
 use rayon::prelude::*;
@@ -34,6 +35,11 @@ const TAKEN: f64 = 0.05;
 
 fn closes(candidate: &BalanceCandidate) -> bool {
     candidate.reduced < BALANCE_CLOSED
+}
+
+/// Whether two names explain all that the declared model misses, or leave a thousandth of it within a fifth of the noise: that is of their formulas.
+fn fills(pair: &Explained, declared: &Explained) -> bool {
+    pair.complete() || pair.sufficient(declared) && pair.excess() <= DOMINANT * declared.excess()
 }
 
 /// Whether a single name leaves so little, and all others so much more, that it stands in another formula.
@@ -207,11 +213,12 @@ impl Search<'_> {
         let other = |one: &Explained| one.effects.iter().any(|effect| !best.effects.contains(effect));
         let rivals: Vec<Rival> = found
             .into_iter()
-            .filter(|one| one.complete() && other(one))
+            .filter(|one| (one.complete() || one.excess() < RIVALS * best.excess()) && other(one))
             .filter_map(|one| Rival::of(&one, one.criterion - best.criterion))
             .collect();
-        // Two pairs that explain alike are no answer.
-        if rivals.iter().any(|rival| rival.behind <= EVIDENCE) {
+        // Two pairs that explain alike are no answer, and evidence between other laboratories' formulas says nothing of the names.
+        let alike = |rival: &Rival| !best.complete() || rival.behind <= EVIDENCE;
+        if rivals.iter().any(alike) {
             return None;
         }
         let best = self.counted(declared, best)?;
@@ -278,7 +285,7 @@ impl Search<'_> {
     /// A pair that completes the model, both of its effects counted among those that were tried with the evidence that they have together over the
     /// declared one; `None` where it does not, or one of the two explains everything: that has been asked already, and was not what its name says.
     fn counted(&mut self, declared: &Explained, pair: Explained) -> Option<Explained> {
-        let best = Some(pair).filter(Explained::complete).map(|pair| self.pruned(pair))?;
+        let best = Some(pair).filter(|pair| fills(pair, declared)).map(|pair| self.pruned(pair))?;
         if best.effects.len() < 2 {
             return None;
         }

@@ -131,10 +131,11 @@ impl Search<'_> {
     }
 
     /// Whether a model with names has all that the lines of one without hold beside the noise, and beside what the grid of a rigid contact may be
-    /// wrong by, and foretells runs better.
+    /// wrong by, and foretells runs better. A last name that is nothing within its deviation has led to where the declared law follows as well.
     fn has_it_all(&self, without: &Explained, model: &Explained) -> bool {
         let meets = || model.left().is_noise() || self.is_of_grid(model);
-        model.complete() && meets() && self.foretells(without, model)
+        let says_something = || !self.study.is_nothing(model, model.effects.len() - 1);
+        model.complete() && meets() && self.foretells(without, model) && says_something()
     }
 
     /// A declared model that follows the samples, and a named one that has all that the lines of the declared one hold beside the noise, on a finer grid
