@@ -158,8 +158,10 @@ impl Search<'_> {
         declared: &Explained,
         first: &Explained,
     ) -> Result<Option<Explained>, ExplainError> {
-        let found = self.contact(first)?;
-        Ok(found.and_then(|pair| self.counted(declared, pair)))
+        let Some(pair) = self.contact(first)? else { return Ok(None) };
+        // Where a formula is in doubt another name may be it.
+        let alone = pair.complete() || RIVALS * pair.excess() <= least_excess(&pair, &self.rivals);
+        Ok(Some(pair).filter(|_| alone).and_then(|pair| self.counted(declared, pair)))
     }
 
     /// Two effects in the contact: the best single ones on the recovered contacts are each asked which second one takes what they leave there, and
@@ -208,7 +210,7 @@ impl Search<'_> {
         self.only(declared, best, found)
     }
 
-    /// A pair that completes the model, with the others that do as its rivals; `None` where another one explains as well.
+    /// A pair that fills the model, with the others that complete it as its rivals; `None` where another one explains as well.
     fn only(&mut self, declared: &Explained, best: Explained, found: Vec<Explained>) -> Option<Explained> {
         let other = |one: &Explained| one.effects.iter().any(|effect| !best.effects.contains(effect));
         let rivals: Vec<Rival> = found
@@ -282,7 +284,7 @@ impl Search<'_> {
         self.only(declared, best, found)
     }
 
-    /// A pair that completes the model, both of its effects counted among those that were tried with the evidence that they have together over the
+    /// A pair that fills the model, both of its effects counted among those that were tried with the evidence that they have together over the
     /// declared one; `None` where it does not, or one of the two explains everything: that has been asked already, and was not what its name says.
     fn counted(&mut self, declared: &Explained, pair: Explained) -> Option<Explained> {
         let best = Some(pair).filter(|pair| fills(pair, declared)).map(|pair| self.pruned(pair))?;
