@@ -47,19 +47,23 @@ impl Search<'_> {
         let worth = near
             && !told(self, &current)
             && !(current.effects.is_empty() && self.study.share_of_balance(&current) > FINER);
-        if worth
-            && current.fitted.setting.rigid
-            && current.ratio <= NEAR
-            && let Some((mut study, mut better)) = on_corrected(&self.study, &current)
-        {
-            if kinked && let Some(doubted) = doubting(&mut study, &better) {
-                better = doubted;
+        let mut corrects = current.fitted.setting.rigid;
+        while worth && !told(self, &current) {
+            if corrects && current.ratio <= NEAR {
+                corrects = false;
+                if let Some((mut study, mut better)) = on_corrected(&self.study, &current) {
+                    if kinked && let Some(doubted) = doubting(&mut study, &better) {
+                        better = doubted;
+                    }
+                    let coarser = (std::mem::replace(&mut self.study, study), self.refined);
+                    self.coarse.get_or_insert(coarser);
+                    current = better;
+                    break;
+                }
             }
-            let coarser = (std::mem::replace(&mut self.study, study), self.refined);
-            self.coarse.get_or_insert(coarser);
-            current = better;
-        }
-        while worth && !told(self, &current) && self.refined < most {
+            if self.refined == most {
+                break;
+            }
             let finer = if kinked { self.study.refined() } else { self.study.resolved(&current.fitted) };
             let Ok(Some(mut study)) = finer else { break };
             match on_finer(&study, &current) {
