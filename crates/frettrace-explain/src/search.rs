@@ -138,8 +138,13 @@ impl Explained {
     pub(crate) fn dominant(&self, baseline: &Self, rivals: f64) -> bool {
         self.worst <= OTHER_FORMULA
             && self.excess() <= DOMINANT * baseline.excess()
-            && self.excess() * RIVALS <= rivals
+            && self.is_far_ahead(rivals)
             && !self.has_exact()
+    }
+
+    /// Whether a rival's excess, or the least of several, is ten times what is left: what two formulas leave tells their names apart then.
+    pub(crate) fn is_far_ahead(&self, rivals: f64) -> bool {
+        self.excess() * RIVALS <= rivals
     }
 
     /// What is left on the lines of the training runs.

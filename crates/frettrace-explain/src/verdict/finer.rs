@@ -26,7 +26,7 @@ const AT_REST: f64 = 0.25;
 /// the march in time (9e-5 to 1.2e-4 in the validation).
 pub(super) const RIGID_ACCURACY: f64 = 2e-4;
 
-impl Search<'_> {
+impl<'a> Search<'a> {
     /// A longer fit; then, where that is near the noise but not within it, or has most of what was `lacked` (an excess), one on a
     /// finer grid.
     pub(super) fn further(&mut self, mut current: Explained, lacked: f64) -> Explained {
@@ -34,9 +34,7 @@ impl Search<'_> {
             return self.study.unsettled_contacts(current);
         }
         current = self.study.unsettled_contacts(self.study.polished_or_as_it_is(current));
-        // Kinks of the contact send their force to every line: its error falls with each finer grid. A rigid contact has no other
-        // corners than these, and a declared one may be far from the noise for nothing else.
-        let kinked = current.fitted.setting.rigid && current.effects.is_empty();
+        let kinked = is_kinked(&current);
         let near = kinked || current.ratio <= NEAR || current.excess() <= MOST_TAKEN * lacked;
         let most = most_refined(&current);
         // What a finer grid may leave is no reason for another one.
@@ -51,40 +49,39 @@ impl Search<'_> {
         while worth && !told(self, &current) {
             if corrects && current.ratio <= NEAR {
                 corrects = false;
-                if let Some((mut study, mut better)) = on_corrected(&self.study, &current) {
-                    if kinked && let Some(doubted) = doubting(&mut study, &better) {
-                        better = doubted;
-                    }
-                    let coarser = (std::mem::replace(&mut self.study, study), self.refined);
-                    self.coarse.get_or_insert(coarser);
-                    current = better;
-                    break;
+                if let Some((study, better)) = on_corrected(&self.study, &current) {
+                    return self.moved_to(study, better);
                 }
             }
-            if self.refined == most {
+            if self.refined >= most {
                 break;
             }
             let finer = if kinked { self.study.refined() } else { self.study.resolved(&current.fitted) };
-            let Ok(Some(mut study)) = finer else { break };
-            match on_finer(&study, &current) {
-                Some(mut better) if better.excess() < FINER * current.excess() => {
-                    if kinked && let Some(doubted) = doubting(&mut study, &better) {
-                        better = doubted;
-                    }
-                    let coarser = (std::mem::replace(&mut self.study, study), self.refined);
-                    self.coarse.get_or_insert(coarser);
-                    self.refined += 1;
-                    let elsewhere = better.ratio > NEAR && better.excess() > AT_REST * current.excess();
-                    current = better;
-                    // What is far from the data and falls more slowly than the error of a grid is something else.
-                    if elsewhere {
-                        break;
-                    }
-                }
-                _ => break,
+            let Ok(Some(study)) = finer else { break };
+            let nearer = |better: &Explained| better.excess() < FINER * current.excess();
+            let Some(better) = on_finer(&study, &current).filter(nearer) else { break };
+            let better = self.moved_to(study, better);
+            self.refined += 1;
+            let elsewhere = better.ratio > NEAR && better.excess() > AT_REST * current.excess();
+            current = better;
+            // What is far from the data and falls more slowly than the error of a grid is something else.
+            if elsewhere {
+                break;
             }
         }
         current
+    }
+
+    /// Goes on with another grid's study and the model fitted there; a declared model of a rigid contact is fitted with the doubt of that grid.
+    fn moved_to(&mut self, mut study: Study<'a>, mut model: Explained) -> Explained {
+        if is_kinked(&model)
+            && let Some(doubted) = doubting(&mut study, &model)
+        {
+            model = doubted;
+        }
+        let coarser = (std::mem::replace(&mut self.study, study), self.refined);
+        self.coarse.get_or_insert(coarser);
+        model
     }
 
     /// A model that `stands`, on finer grids until its lines hold no more than is `enough`: what the kinks of the contact send beyond the
@@ -225,6 +222,12 @@ impl Study<'_> {
         }
         self.polished(&richer).ok().filter(|better| better.criterion + EVIDENCE < current.criterion)
     }
+}
+
+/// Whether a model may be far from the noise for nothing but its grid: kinks of the contact send their force to every line, whose error falls with each
+/// finer grid, and a declared rigid contact has no other corners than these.
+fn is_kinked(model: &Explained) -> bool {
+    model.fitted.setting.rigid && model.effects.is_empty()
 }
 
 /// Finer grids that a model may get.

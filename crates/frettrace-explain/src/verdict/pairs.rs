@@ -17,7 +17,7 @@ use super::{BALANCE_CLOSED, EVIDENCE, FORETOLD, Rival, Search, Tried, least_exce
 use crate::balance_fit::BalanceCandidate;
 use crate::contact_search::ContactCandidate;
 use crate::effects::ALL;
-use crate::search::{DOMINANT, Explained, RIVALS};
+use crate::search::{DOMINANT, Explained};
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::Setting;
 use rayon::prelude::*;
@@ -160,7 +160,7 @@ impl Search<'_> {
     ) -> Result<Option<Explained>, ExplainError> {
         let Some(pair) = self.contact(first)? else { return Ok(None) };
         // Where a formula is in doubt another name may be it.
-        let alone = pair.complete() || RIVALS * pair.excess() <= least_excess(&pair, &self.rivals);
+        let alone = pair.complete() || pair.is_far_ahead(least_excess(&pair, &self.rivals));
         Ok(Some(pair).filter(|_| alone).and_then(|pair| self.counted(declared, pair)))
     }
 
@@ -215,7 +215,7 @@ impl Search<'_> {
         let other = |one: &Explained| one.effects.iter().any(|effect| !best.effects.contains(effect));
         let rivals: Vec<Rival> = found
             .into_iter()
-            .filter(|one| (one.complete() || one.excess() < RIVALS * best.excess()) && other(one))
+            .filter(|one| (one.complete() || !best.is_far_ahead(one.excess())) && other(one))
             .filter_map(|one| Rival::of(&one, one.criterion - best.criterion))
             .collect();
         // Two pairs that explain alike are no answer, and evidence between other laboratories' formulas says nothing of the names.
