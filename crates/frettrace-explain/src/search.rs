@@ -152,6 +152,11 @@ impl Explained {
         LeftLines { chi_squared: self.fitted.fit.data_cost, count: self.residuals as f64 }
     }
 
+    /// Whether a mass on the beam, where it has one, is more than nothing.
+    pub(crate) fn adds_its_mass(&self) -> bool {
+        self.fitted.setting.mass.is_none_or(|[mass, _]| mass > 0.0)
+    }
+
     /// Whether nothing is left to explain.
     #[must_use]
     pub fn complete(&self) -> bool {

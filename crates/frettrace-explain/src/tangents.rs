@@ -7,7 +7,7 @@
 //! first order, at `κ = cᵀPr/cᵀPc`.
 
 use crate::balance_fit::BalanceCandidate;
-use crate::effects::{ALL, FREE, StructureForm, listed};
+use crate::effects::{ALL, FREE, StructureForm, few_places, listed};
 use crate::fitting::AccelerationFit;
 use crate::search::Explained;
 use crate::study::merge;
@@ -127,7 +127,7 @@ impl Study<'_> {
             form.setting.set(size.quantity, (start + values[0]).clamp(lowest, highest));
             self.promising((current, known), (effect, form), gain)
         };
-        forms.into_iter().filter_map(candidate).collect()
+        few_places(forms).into_iter().filter_map(candidate).collect()
     }
 
     /// What is free already, at the present values; `None` where the model has no answer there.

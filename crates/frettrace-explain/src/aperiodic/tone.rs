@@ -63,11 +63,15 @@ pub fn base_tone(case: &Case, whole: &[Option<WholeRun>]) -> Result<Option<BaseT
     let moved = Balance::chi_squared_of(&balances);
     let reduced = [plain, moved].map(|(chi, freedom)| chi / freedom.max(1) as f64);
     let (place, _) = study.open_place(&setting);
-    let told = reduced[1] <= BALANCE_CLOSED && reduced[1] < TAKEN * reduced[0];
-    if !told || place != EffectPlace::Excitation {
+    if !asks(reduced) || place != EffectPlace::Excitation {
         return Ok(None);
     }
     Ok(Some(BaseTone { omega, reduced, runs: motions(case, (&setting, lines), &balances)? }))
+}
+
+/// Whether a balance asks for a motion of the base: χ² per degree of freedom without and with it. One that is closed asks for nothing.
+fn asks([without, with]: [f64; 2]) -> bool {
+    without > BALANCE_CLOSED && with <= BALANCE_CLOSED && with < TAKEN * without
 }
 
 /// Frequency (rad/s) of the bin that stands out of what no contact force makes in all runs together; `None` where none does or the runs differ in
@@ -157,4 +161,18 @@ fn motions(
         (motion.slip, motion.end) = (balance.slip[1], balance.end[1]);
     }
     Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::asks;
+
+    /// χ² per degree of freedom of the line of a base that moves, on a simulated rig; of the loudest line of one that does not and whose motion is
+    /// quasi-periodic, where the noise about the line is that motion; and of a line that no base closes.
+    #[test]
+    fn a_balance_that_is_closed_asks_for_no_motion_of_the_base() {
+        assert!(asks([310.0, 1.1]));
+        assert!(!asks([0.45, 0.18]));
+        assert!(!asks([310.0, 9.0]));
+    }
 }

@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `structure.modal-frequency`, `structure.second-support`; told apart by modes measured with the friction removed: a mass lowers those that move at its place.
 
-use super::{Effect, EffectPlace, StructureForm, place};
+use super::{Effect, EffectPlace, StructureForm, along, place};
 use crate::{Case, Scales, signed};
 use frettrace_forward::accelerations::{Quantity, Setting};
 
@@ -30,10 +30,10 @@ impl Effect for StructureAddedMass {
     }
 
     fn structure_forms(&self, _case: &Case, setting: &Setting, scales: &Scales) -> Vec<StructureForm> {
-        [0.15, 0.3, 0.45, 0.6, 0.75, 0.9]
-            .map(|share| {
+        along(scales)
+            .map(|at| {
                 let mut setting = setting.clone();
-                setting.mass = Some([0.0, share * scales.length]);
+                setting.mass = Some([0.0, at]);
                 let mass = signed(
                     Quantity::AddedMass,
                     ("added_mass", "kg"),
@@ -43,6 +43,6 @@ impl Effect for StructureAddedMass {
                 let unknowns = vec![mass, place(Quantity::MassPosition, scales)];
                 StructureForm { setting, unknowns, sensor: None }
             })
-            .into()
+            .collect()
     }
 }

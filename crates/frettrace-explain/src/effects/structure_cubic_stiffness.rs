@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `contact.normal-stiffening`, `structure.second-support`; told apart by free decays from several amplitudes with the contact open: frequency rises with the square of the amplitude.
 
-use super::{Effect, EffectPlace, FREE, StructureForm, cube_scale, place, with_port};
+use super::{Effect, EffectPlace, FREE, StructureForm, along, cube_scale, place, with_port};
 use crate::{Case, Scales, signed};
 use frettrace_forward::accelerations::{COEFFICIENTS, Port, PortLaw, PortPlace, Quantity, Setting};
 
@@ -47,16 +47,16 @@ impl Effect for StructureCubicStiffness {
             );
             forms.push(StructureForm { setting, unknowns: vec![unknown], sensor: None });
         }
-        for share in [0.3, 0.5, 0.7] {
-            let (setting, index) = with_port(setting, port(PortPlace::At(share * scales.length)));
+        for at in along(scales) {
+            let (setting, index) = with_port(setting, port(PortPlace::At(at)));
             let unknown = signed(
                 Quantity::Port(index, 2),
                 ("local_cube", "N/m^3"),
                 cube_scale(case, scales, false),
                 FREE,
             );
-            let at = place(Quantity::PortPosition(index), scales);
-            forms.push(StructureForm { setting, unknowns: vec![unknown, at], sensor: None });
+            let position = place(Quantity::PortPosition(index), scales);
+            forms.push(StructureForm { setting, unknowns: vec![unknown, position], sensor: None });
         }
         forms
     }

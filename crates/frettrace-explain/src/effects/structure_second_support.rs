@@ -6,7 +6,7 @@
 //!
 //! *Mistaken for*: `structure.added-mass`, `structure.cubic-stiffness`; told apart by a stethoscope, or a feeler gauge along the beam.
 
-use super::{Effect, EffectPlace, FREE, StructureForm, place, spring_scale, with_port};
+use super::{Effect, EffectPlace, FREE, StructureForm, along, place, spring_scale, with_port};
 use crate::{Case, Scales, signed};
 use frettrace_forward::accelerations::{COEFFICIENTS, Port, PortLaw, PortPlace, Quantity, Setting};
 
@@ -35,9 +35,9 @@ impl Effect for StructureSecondSupport {
             return Vec::new();
         }
         let port = |place| Port { place, law: PortLaw::Polynomial, coefficients: [0.0; COEFFICIENTS] };
-        [0.15, 0.3, 0.45, 0.6, 0.75, 0.9]
-            .map(|share| {
-                let (setting, index) = with_port(setting, port(PortPlace::At(share * scales.length)));
+        along(scales)
+            .map(|at| {
+                let (setting, index) = with_port(setting, port(PortPlace::At(at)));
                 let unknowns = vec![
                     signed(Quantity::Port(index, 0), ("support_stiffness", "N/m"), spring_scale(case), FREE),
                     signed(
@@ -50,6 +50,6 @@ impl Effect for StructureSecondSupport {
                 ];
                 StructureForm { setting, unknowns, sensor: None }
             })
-            .into()
+            .collect()
     }
 }

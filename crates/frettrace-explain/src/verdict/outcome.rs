@@ -3,14 +3,15 @@
 use super::choice::contained;
 use super::finer::RIGID_ACCURACY;
 use super::rules::{
-    helps, is_as_near, is_followed, may_be, stays_with_contact, stays_with_sensor, takes_all, takes_its_own,
+    helps, is_as_near, is_followed, may_be, stays_with_contact, stays_with_sensor, takes_all, takes_both,
+    takes_its_own,
 };
 use super::{BALANCE_CALIBRATED, BORNE_OUT, EVIDENCE, FORETOLD, HELD_OUT, Rival, Search};
 use crate::effects::{ALL, EffectPlace, listed};
 use crate::left::LeftLines;
 use crate::search::{Explained, OTHER_FORMULA, REST, excess};
 use crate::study::as_declared;
-use crate::{ChannelFault, RunError};
+use crate::{ChannelFault, RunError, Unknown};
 use frettrace_forward::accelerations::Quantity;
 use frettrace_friction::effects::Hook;
 
@@ -114,13 +115,15 @@ impl Search<'_> {
         let misread = filled && self.misread(&model);
         let contradicted = self.series_contradicts(&model);
         let stands_in = filled && self.stands_in(&mut model);
+        let told = self.tells_both(&baseline, &model);
         let complete = filled
             && !nameless
             && shaken.is_none()
             && !self.strained
             && !misread
             && !contradicted
-            && !stands_in;
+            && !stands_in
+            && told;
         let verdict = match (model.effects.is_empty() && named.is_empty(), complete) {
             (true, true) => Verdict::NothingMissing,
             (false, true) => Verdict::Explained,
@@ -133,7 +136,7 @@ impl Search<'_> {
             Verdict::Unexplained if shaken.is_some() && filled => Some(EffectPlace::Excitation),
             Verdict::Unexplained if misread || nameless && filled => Some(EffectPlace::Measurement),
             Verdict::Unexplained if self.strained => Some(EffectPlace::Structure),
-            Verdict::Unexplained => Some(self.place(&model)),
+            Verdict::Unexplained => Some(self.place(&baseline, &model)),
         };
         let alike = baseline.fitted.fit.values == model.fitted.fit.values;
         self.study.doubt_values(&mut model);
@@ -182,6 +185,14 @@ impl Search<'_> {
     /// weak effect comes within the noise of all samples and leaves a part of the effect beside that of the lines.
     pub(super) fn takes_all(&self, baseline: &Explained, model: &Explained) -> bool {
         self.claimed(model) == 0 || takes_all(model.left(), [baseline, model].map(Explained::excess))
+    }
+
+    /// Whether what two named effects leave speaks for both, where nothing else does: of one outside the contact and one in it the balance tells the former without a law, and
+    /// the recovered contacts the latter. What the grid of a rigid contact leaves says nothing.
+    fn tells_both(&self, baseline: &Explained, model: &Explained) -> bool {
+        let in_law = |place: usize| !Unknown::parted(model.own(place)).0.is_empty();
+        let alike = self.claimed(model) == 2 && in_law(0) == in_law(1) && !model.fitted.setting.rigid;
+        !alike || takes_both(model.left(), [baseline, model].map(Explained::excess))
     }
 
     /// Whether a sensor that saturates is all that a model misses: its lines are compared with nothing, and all others hold noise. The curve by
@@ -460,7 +471,15 @@ impl Search<'_> {
 
     /// Place of what stays unexplained: an open balance is never the contact. One that is closed by what is usual, yet not by what the
     /// noise allows, is the contact's unless one more free value a line takes most of that.
-    fn place(&self, model: &Explained) -> EffectPlace {
+    fn place(&self, baseline: &Explained, model: &Explained) -> EffectPlace {
+        // What stands in for all but a trace of what opened the balance leaves nothing of another place.
+        if let Some(place) = shared_place(model)
+            && place != EffectPlace::Contact
+            && model.leaves_a_trace(baseline)
+            && self.is_open(baseline)
+        {
+            return place;
+        }
         let mut model = model.clone();
         self.calibrate(&mut model);
         let (reduced, _) = self.study.balance_reduced(&model.fitted.setting);
@@ -572,16 +591,19 @@ fn given(baseline: &Explained, model: &Explained) -> Vec<String> {
     brought.filter_map(told).collect()
 }
 
+/// The place that the effects of a model share.
+fn shared_place(model: &Explained) -> Option<EffectPlace> {
+    let mut places = model.effects.iter().map(|&effect| ALL[effect].place());
+    let first = places.next()?;
+    places.all(|place| place == first).then_some(first)
+}
+
 /// Position of an effect along the beam, where it has one.
 fn position(model: &Explained, effect: usize) -> Option<f64> {
     if ALL[effect].place() != EffectPlace::Structure {
         return None;
     }
-    model
-        .added
-        .iter()
-        .find(|u| matches!(u.quantity, Quantity::PortPosition(_) | Quantity::MassPosition))
-        .and_then(|u| model.fitted.setting.get(u.quantity))
+    model.added.iter().find(|u| u.quantity.is_place()).and_then(|u| model.fitted.setting.get(u.quantity))
 }
 
 /// What the effect at a place of the list brought.

@@ -5,7 +5,7 @@ use super::finer::MOST_TAKEN;
 use super::{BALANCE_CALIBRATED, BALANCE_CLOSED, EVIDENCE, PROXY, Rival, Search, Tried};
 use crate::balance_fit::BalanceCandidate;
 use crate::contact_search::ContactCandidate;
-use crate::effects::{ALL, ContactForm, EffectPlace, StructureForm, listed};
+use crate::effects::{ALL, ContactForm, EffectPlace, StructureForm, few_places, listed};
 use crate::force_laws::{CUBIC_BELOW, thresholds};
 use crate::search::{Asked, Explained, NEAR};
 use crate::study::merge;
@@ -206,7 +206,7 @@ impl Search<'_> {
                 formless.push(effect);
             }
             let unfitted = |form| BalanceCandidate::unfitted(effect, form, baseline.criterion);
-            candidates.extend(forms.into_iter().map(unfitted));
+            candidates.extend(few_places(forms).into_iter().map(unfitted));
         }
         // What the balance of many sensors locates without a law has no forms of its own.
         if !formless.is_empty() {

@@ -55,6 +55,12 @@ pub(super) fn takes_all(left: LeftLines, [before, after]: [f64; 2]) -> bool {
     left.is_near_noise() || after <= REST * before
 }
 
+/// Whether two effects that are told in the same way may both be there: nothing but what they leave speaks for both. The lines hold noise, or no more than that beside it
+/// where they take all but a hundredth of what was missing in all samples, from the excess before and after.
+pub(super) fn takes_both(left: LeftLines, [before, after]: [f64; 2]) -> bool {
+    left.is_noise() || left.is_near_noise() && after <= REST * before
+}
+
 /// Whether what a closed balance holds beside the noise stays where one more value a line is free: χ² per degree of freedom without and
 /// with it.
 pub(super) fn stays_with_contact(reduced: f64, left: f64) -> bool {
@@ -70,7 +76,8 @@ pub(super) fn stays_with_sensor([own, others]: [LeftLines; 2]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::{
-        is_as_near, is_followed, may_be, stays_with_contact, stays_with_sensor, takes_all, takes_its_own,
+        is_as_near, is_followed, may_be, stays_with_contact, stays_with_sensor, takes_all, takes_both,
+        takes_its_own,
     };
     use crate::left::LeftLines;
 
@@ -95,6 +102,19 @@ mod tests {
         ] {
             assert!(!stays_with_sensor(left(other)), "{other:?}");
         }
+    }
+
+    /// χ² over residuals, these, and the excess of all samples before and after, of simulated rigs: what two effects that were there leave in other laboratories' formulas
+    /// (waves of straight lines with a spring, an asymmetry with a viscous power); what stands in for a clamp that gives (a mass and a sensor off its place), for a spring that
+    /// stiffens one way (a support and a mass taken away) and for an ageing contact (a film on a Stribeck curve).
+    #[test]
+    fn two_effects_told_in_the_same_way_leave_nothing() {
+        let left = |excess: f64, count: f64| LeftLines { chi_squared: (1.0 + excess) * count, count };
+        assert!(takes_both(left(0.3995, 5512.0), [7424.8, 0.01998]));
+        assert!(takes_both(left(0.1935, 7116.0), [29.5, 0.0]));
+        assert!(!takes_both(left(0.8320, 990.0), [2.509, 0.03339]));
+        assert!(!takes_both(left(1.4653, 1050.0), [3.832, 0.02634]));
+        assert!(!takes_both(left(5.1697, 1568.0), [424.2, 0.04640]));
     }
 
     /// χ² and residuals of a film, and what a lag leaves beside the noise, on a simulated rig with a lag of bounded rate: both follow the

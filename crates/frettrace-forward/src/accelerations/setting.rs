@@ -144,6 +144,14 @@ pub enum Quantity {
     Offset(usize),
 }
 
+impl Quantity {
+    /// Whether it is a place along the beam where something acts.
+    #[must_use]
+    pub fn is_place(self) -> bool {
+        matches!(self, Self::PortPosition(_) | Self::MassPosition)
+    }
+}
+
 /// All values of the model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
