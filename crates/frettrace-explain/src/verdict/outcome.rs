@@ -472,14 +472,6 @@ impl Search<'_> {
     /// Place of what stays unexplained: an open balance is never the contact. One that is closed by what is usual, yet not by what the
     /// noise allows, is the contact's unless one more free value a line takes most of that.
     fn place(&self, baseline: &Explained, model: &Explained) -> EffectPlace {
-        // What stands in for all but a trace of what opened the balance leaves nothing of another place.
-        if let Some(place) = shared_place(model)
-            && place != EffectPlace::Contact
-            && model.leaves_a_trace(baseline)
-            && self.is_open(baseline)
-        {
-            return place;
-        }
         let mut model = model.clone();
         self.calibrate(&mut model);
         let (reduced, _) = self.study.balance_reduced(&model.fitted.setting);
@@ -495,7 +487,12 @@ impl Search<'_> {
                 (place, left) = bent;
             }
         }
-        if closed && stays_with_contact(reduced, left) { EffectPlace::Contact } else { place }
+        if closed && stays_with_contact(reduced, left) {
+            return EffectPlace::Contact;
+        }
+        // What stands in for all but a trace of what opened the balance leaves nothing of another place.
+        let outside = shared_place(&model).filter(|&place| place != EffectPlace::Contact);
+        outside.filter(|_| model.leaves_a_trace(baseline) && self.is_open(baseline)).unwrap_or(place)
     }
 
     /// Effects that these data do not rule out in one place of a model: the one whose formula stands there under the name of the simpler one that
