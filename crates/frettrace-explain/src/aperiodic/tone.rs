@@ -165,14 +165,15 @@ fn motions(
 
 #[cfg(test)]
 mod tests {
-    use super::asks;
+    use super::{BALANCE_CLOSED, TAKEN, asks};
 
-    /// χ² per degree of freedom of the line of a base that moves, on a simulated rig; of the loudest line of one that does not and whose motion is
-    /// quasi-periodic, where the noise about the line is that motion; and of a line that no base closes.
+    /// A motion of the base is asked for where the balance is open without it and closed with it. One that is closed without it asks for none, whatever share of its
+    /// χ² that takes: the noise about a line of a quasi-periodic motion is that motion, beside which both are small. Nor does one that no motion of the base closes.
     #[test]
     fn a_balance_that_is_closed_asks_for_no_motion_of_the_base() {
-        assert!(asks([310.0, 1.1]));
-        assert!(!asks([0.45, 0.18]));
-        assert!(!asks([310.0, 9.0]));
+        let [closed, open] = [0.9 * BALANCE_CLOSED, 1.1 * BALANCE_CLOSED / TAKEN];
+        assert!(asks([open, closed]));
+        assert!(!asks([closed, 0.5 * TAKEN * closed]));
+        assert!(!asks([open, 1.1 * BALANCE_CLOSED]));
     }
 }
