@@ -39,7 +39,9 @@ mod structure_quadratic_damping;
 mod structure_second_support;
 
 use crate::{Case, Scales, Unknown, signed};
-use frettrace_forward::accelerations::{FrequencyRatio, Port, Quantity, Setting};
+use frettrace_forward::accelerations::{
+    COEFFICIENTS, FrequencyRatio, Port, PortLaw, PortPlace, Quantity, Setting,
+};
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 use frettrace_identify::{Parameter, Transform};
 
@@ -328,6 +330,37 @@ fn along(scales: &Scales) -> impl Iterator<Item = f64> {
     const PARTS: u8 = 24;
     let length = scales.length;
     (2..PARTS).map(move |part| length * f64::from(part) / f64::from(PARTS))
+}
+
+/// A force without a law yet at a place of the beam, with what it brings, which depends on the index of its port.
+fn force_at(
+    setting: &Setting,
+    place: PortPlace,
+    brings: impl FnOnce(usize) -> Vec<Unknown>,
+) -> StructureForm {
+    let port = Port { place, law: PortLaw::Polynomial, coefficients: [0.0; COEFFICIENTS] };
+    let (setting, index) = with_port(setting, port);
+    StructureForm { setting, unknowns: brings(index), sensor: None }
+}
+
+/// Such a force on each of the first two modes.
+fn forces_on_modes(setting: &Setting, brings: impl Fn(usize) -> Vec<Unknown>) -> Vec<StructureForm> {
+    let modes = setting.frequency.len().min(2);
+    (0..modes).map(|mode| force_at(setting, PortPlace::Mode(mode), &brings)).collect()
+}
+
+/// Such a force along the beam, whose place is an unknown as well.
+fn forces_along(
+    setting: &Setting,
+    scales: &Scales,
+    brings: impl Fn(usize) -> Vec<Unknown>,
+) -> Vec<StructureForm> {
+    let placed = |index| {
+        let mut unknowns = brings(index);
+        unknowns.push(place(Quantity::PortPosition(index), scales));
+        unknowns
+    };
+    along(scales).map(|at| force_at(setting, PortPlace::At(at), placed)).collect()
 }
 
 /// Forms of which each is asked of the whole model: a few of those that differ by their place.

@@ -6,9 +6,9 @@
 //!
 //! *Mistaken for*: `contact.normal-stiffening`, `structure.second-support`; told apart by free decays from several amplitudes with the contact open: frequency rises with the square of the amplitude.
 
-use super::{Effect, EffectPlace, FREE, StructureForm, along, cube_scale, place, with_port};
+use super::{Effect, EffectPlace, FREE, StructureForm, cube_scale, forces_along, forces_on_modes};
 use crate::{Case, Scales, signed};
-use frettrace_forward::accelerations::{COEFFICIENTS, Port, PortLaw, PortPlace, Quantity, Setting};
+use frettrace_forward::accelerations::{Quantity, Setting};
 
 pub(super) struct StructureCubicStiffness;
 
@@ -34,30 +34,12 @@ impl Effect for StructureCubicStiffness {
             // The force is located without its law, and the law read off it.
             return Vec::new();
         }
-        let modes = setting.frequency.len().min(2);
-        let port = |place| Port { place, law: PortLaw::Polynomial, coefficients: [0.0; COEFFICIENTS] };
-        let mut forms: Vec<StructureForm> = Vec::new();
-        for mode in 0..modes {
-            let (setting, index) = with_port(setting, port(PortPlace::Mode(mode)));
-            let unknown = signed(
-                Quantity::Port(index, 2),
-                ("modal_cube", "N/m^3"),
-                cube_scale(case, scales, true),
-                FREE,
-            );
-            forms.push(StructureForm { setting, unknowns: vec![unknown], sensor: None });
-        }
-        for at in along(scales) {
-            let (setting, index) = with_port(setting, port(PortPlace::At(at)));
-            let unknown = signed(
-                Quantity::Port(index, 2),
-                ("local_cube", "N/m^3"),
-                cube_scale(case, scales, false),
-                FREE,
-            );
-            let position = place(Quantity::PortPosition(index), scales);
-            forms.push(StructureForm { setting, unknowns: vec![unknown, position], sensor: None });
-        }
+        let cube = |port, name, modal| {
+            let scale = cube_scale(case, scales, modal);
+            vec![signed(Quantity::Port(port, 2), (name, "N/m^3"), scale, FREE)]
+        };
+        let mut forms = forces_on_modes(setting, |port| cube(port, "modal_cube", true));
+        forms.extend(forces_along(setting, scales, |port| cube(port, "local_cube", false)));
         forms
     }
 }

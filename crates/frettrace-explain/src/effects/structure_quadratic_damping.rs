@@ -6,9 +6,9 @@
 //!
 //! *Mistaken for*: `structure.modal-damping`, `friction.viscous`; told apart by free decays from several amplitudes with the contact open: damping rises with the amplitude.
 
-use super::{Effect, EffectPlace, FREE, StructureForm, along, drag_scale, place, with_port};
+use super::{Effect, EffectPlace, FREE, StructureForm, drag_scale, forces_along, forces_on_modes};
 use crate::{Case, Scales, signed};
-use frettrace_forward::accelerations::{COEFFICIENTS, Port, PortLaw, PortPlace, Quantity, Setting};
+use frettrace_forward::accelerations::{Quantity, Setting};
 
 pub(super) struct StructureQuadraticDamping;
 
@@ -34,30 +34,11 @@ impl Effect for StructureQuadraticDamping {
             // The force is located without its law, and the law read off it.
             return Vec::new();
         }
-        let modes = setting.frequency.len().min(2);
-        let port = |place| Port { place, law: PortLaw::Polynomial, coefficients: [0.0; COEFFICIENTS] };
-        let mut forms: Vec<StructureForm> = Vec::new();
-        for mode in 0..modes {
-            let (setting, index) = with_port(setting, port(PortPlace::Mode(mode)));
-            let unknown = signed(
-                Quantity::Port(index, 3),
-                ("modal_square_damping", "N·s^2/m^2"),
-                drag_scale(case, true),
-                FREE,
-            );
-            forms.push(StructureForm { setting, unknowns: vec![unknown], sensor: None });
-        }
-        for at in along(scales) {
-            let (setting, index) = with_port(setting, port(PortPlace::At(at)));
-            let unknown = signed(
-                Quantity::Port(index, 3),
-                ("local_square_damping", "N·s^2/m^2"),
-                drag_scale(case, false),
-                FREE,
-            );
-            let position = place(Quantity::PortPosition(index), scales);
-            forms.push(StructureForm { setting, unknowns: vec![unknown, position], sensor: None });
-        }
+        let drag = |port, name, modal| {
+            vec![signed(Quantity::Port(port, 3), (name, "N·s^2/m^2"), drag_scale(case, modal), FREE)]
+        };
+        let mut forms = forces_on_modes(setting, |port| drag(port, "modal_square_damping", true));
+        forms.extend(forces_along(setting, scales, |port| drag(port, "local_square_damping", false)));
         forms
     }
 }

@@ -6,9 +6,9 @@
 //!
 //! *Mistaken for*: `structure.added-mass`, `structure.cubic-stiffness`; told apart by a stethoscope, or a feeler gauge along the beam.
 
-use super::{Effect, EffectPlace, FREE, StructureForm, along, place, spring_scale, with_port};
+use super::{Effect, EffectPlace, FREE, StructureForm, forces_along, spring_scale};
 use crate::{Case, Scales, signed};
-use frettrace_forward::accelerations::{COEFFICIENTS, Port, PortLaw, PortPlace, Quantity, Setting};
+use frettrace_forward::accelerations::{Quantity, Setting};
 
 pub(super) struct StructureSecondSupport;
 
@@ -34,22 +34,12 @@ impl Effect for StructureSecondSupport {
             // The force is located without its law, and the law read off it.
             return Vec::new();
         }
-        let port = |place| Port { place, law: PortLaw::Polynomial, coefficients: [0.0; COEFFICIENTS] };
-        along(scales)
-            .map(|at| {
-                let (setting, index) = with_port(setting, port(PortPlace::At(at)));
-                let unknowns = vec![
-                    signed(Quantity::Port(index, 0), ("support_stiffness", "N/m"), spring_scale(case), FREE),
-                    signed(
-                        Quantity::Port(index, 1),
-                        ("support_damping", "N·s/m"),
-                        spring_scale(case) * scales.period,
-                        FREE,
-                    ),
-                    place(Quantity::PortPosition(index), scales),
-                ];
-                StructureForm { setting, unknowns, sensor: None }
-            })
-            .collect()
+        let [stiffness, damping] = [spring_scale(case), spring_scale(case) * scales.period];
+        forces_along(setting, scales, |port| {
+            vec![
+                signed(Quantity::Port(port, 0), ("support_stiffness", "N/m"), stiffness, FREE),
+                signed(Quantity::Port(port, 1), ("support_damping", "N·s/m"), damping, FREE),
+            ]
+        })
     }
 }

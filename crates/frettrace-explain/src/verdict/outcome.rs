@@ -187,10 +187,10 @@ impl Search<'_> {
         self.claimed(model) == 0 || takes_all(model.left(), [baseline, model].map(Explained::excess))
     }
 
-    /// Whether what two named effects leave speaks for both, where nothing else does: of one outside the contact and one in it the balance tells the former without a law, and
-    /// the recovered contacts the latter. What the grid of a rigid contact leaves says nothing.
+    /// Whether what two named effects leave speaks for both, where nothing else does: of one outside the contact's law and one in it the balance tells the former without a law,
+    /// and the recovered contacts the latter. What the grid of a rigid contact leaves says nothing.
     fn tells_both(&self, baseline: &Explained, model: &Explained) -> bool {
-        let in_law = |place: usize| !Unknown::parted(model.own(place)).0.is_empty();
+        let in_law = |place: usize| model.own(place).iter().any(Unknown::is_of_law);
         let alike = self.claimed(model) == 2 && in_law(0) == in_law(1) && !model.fitted.setting.rigid;
         !alike || takes_both(model.left(), [baseline, model].map(Explained::excess))
     }
