@@ -259,12 +259,13 @@ impl Study<'_> {
         }
     }
 
-    /// Every effect outside the friction law on the balance, best first, one form each.
+    /// Every effect outside the friction law on the balance, best first, one form each: further forces on the beam by their laws where
+    /// `by_law`.
     pub(crate) fn balance_candidates(
         &self,
         setting: &Setting,
         added: &[Unknown],
-        taken: &[usize],
+        (taken, by_law): (&[usize], bool),
     ) -> Vec<BalanceCandidate> {
         let forms: Vec<(usize, StructureForm)> = ALL
             .iter()
@@ -274,6 +275,7 @@ impl Study<'_> {
                 effect
                     .structure_forms(self.case, setting, &self.scales)
                     .into_iter()
+                    .filter(|form| by_law || !form.adds_a_force(setting))
                     .map(move |form| (index, form))
             })
             .collect();

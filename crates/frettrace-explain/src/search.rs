@@ -5,7 +5,7 @@ use crate::effects::{ALL, Change, Simpler, apply, listed, set_by_forms};
 use crate::left::LeftLines;
 use crate::study::{Predicted, as_declared, breaks_away, merge};
 use crate::{ExplainError, Fitted, Study, Unknown};
-use frettrace_forward::accelerations::{Memory, PortLaw, PortPlace, Quantity, Setting};
+use frettrace_forward::accelerations::{Memory, Port, PortLaw, PortPlace, Quantity, Setting};
 use frettrace_identify::{Fit, Status};
 use rayon::prelude::*;
 
@@ -152,9 +152,15 @@ impl Explained {
         LeftLines { chi_squared: self.fitted.fit.data_cost, count: self.residuals as f64 }
     }
 
-    /// Whether a mass on the beam, where it has one, is more than nothing.
-    pub(crate) fn adds_its_mass(&self) -> bool {
-        self.fitted.setting.mass.is_none_or(|[mass, _]| mass > 0.0)
+    /// Whether what it puts on the beam may be there: a mass that is more than nothing, a spring at rest that pushes back and a damper by the square of the
+    /// velocity that takes energy.
+    pub(crate) fn is_passive(&self) -> bool {
+        let Setting { mass, ports, .. } = &self.fitted.setting;
+        let pushes = |port: &Port| {
+            let [spring, _, _, square] = port.coefficients;
+            port.law != PortLaw::Polynomial || spring >= 0.0 && square >= 0.0
+        };
+        mass.is_none_or(|[mass, _]| mass > 0.0) && ports.iter().all(pushes)
     }
 
     /// Whether nothing is left to explain.

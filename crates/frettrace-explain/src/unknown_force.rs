@@ -37,6 +37,8 @@ impl Located {
 
 /// Places tried along the beam before the best is refined.
 const PLACES: usize = 48;
+/// Share of the beam's length by which a place may move beside the structure: as far as the balance falls towards a place.
+const BASIN: f64 = 0.1;
 /// The first of them: a force nearer the clamp is the clamp's.
 const CLAMP: usize = 3;
 /// Modes that may carry a force of their own.
@@ -126,6 +128,18 @@ impl Told {
     }
 }
 
+fn is_along(located: &Located) -> bool {
+    matches!(located.place, PortPlace::At(_))
+}
+
+fn is_of_mode(located: &Located) -> bool {
+    matches!(located.place, PortPlace::Mode(_))
+}
+
+fn is_of_support(located: &Located) -> bool {
+    matches!(located.place, PortPlace::Support)
+}
+
 impl Study<'_> {
     fn located_at(&self, setting: &Setting, place: PortPlace) -> Option<Located> {
         let single = with_further(setting, place);
@@ -136,7 +150,7 @@ impl Study<'_> {
 
     /// The places of a further force, best first: along the beam, at the support, on one of the first modes.
     pub(crate) fn locate(&self, setting: &Setting) -> Vec<Located> {
-        if self.case.rig.sensors.len() <= LEAST_FREE {
+        if !self.locates() {
             return Vec::new();
         }
         let length = self.scales.length;
@@ -147,7 +161,7 @@ impl Study<'_> {
         let mut found: Vec<Located> =
             places.par_iter().filter_map(|&place| self.located_at(setting, place)).collect();
         found.sort_by(|a, b| a.chi.total_cmp(&b.chi));
-        if let Some(best) = found.iter().position(|l| matches!(l.place, PortPlace::At(_))) {
+        if let Some(best) = found.iter().position(is_along) {
             found[best] = self.refine(setting, found[best]);
         }
         found.sort_by(|a, b| a.chi.total_cmp(&b.chi));
@@ -235,7 +249,6 @@ impl Study<'_> {
         };
         let equal: Vec<&Located> = located.iter().filter(|l| l.chi < NEAR * told.chi).collect();
         let answers = |located: &Located| self.asks(setting, located).is_some_and(|asks| asks.motion());
-        let is_support = |located: &Located| matches!(located.place, PortPlace::Support);
         match &told.source {
             Source::Of(place, _) => *place,
             Source::Exciter(located) => match self.asks(setting, located) {
@@ -247,7 +260,7 @@ impl Study<'_> {
             },
             Source::Elsewhere(located) => match self.asks(setting, located) {
                 Some(asks) if asks.excitation() => EffectPlace::Excitation,
-                _ if equal.iter().any(|other| is_support(other) && answers(other)) => EffectPlace::Contact,
+                _ if equal.iter().any(|other| is_of_support(other) && answers(other)) => EffectPlace::Contact,
                 _ => EffectPlace::Structure,
             },
         }
@@ -352,6 +365,11 @@ impl Study<'_> {
             .unwrap_or(start)
     }
 
+    /// Whether there are sensors enough to locate a further force without its law.
+    pub(crate) fn locates(&self) -> bool {
+        self.case.rig.sensors.len() > LEAST_FREE
+    }
+
     /// Whether a further force can be located beside the ports that a setting has: one on the beam is not told from another, and every free force takes
     /// a sensor.
     pub(crate) fn locates_beside(&self, setting: &Setting) -> bool {
@@ -359,21 +377,27 @@ impl Study<'_> {
         of_support && self.case.rig.sensors.len() > LEAST_FREE + setting.ports.len()
     }
 
+    /// Whether further forces on the beam are asked by their laws: where they cannot be located without one because there are too few sensors, or because the noise alone,
+    /// beside χ² per degree of freedom of the balance, leaves more than a force at one place may to be worth a law.
+    pub(crate) fn asks_forces_by_law(&self, setting: &Setting, reduced: f64) -> bool {
+        !self.locates() || self.locates_beside(setting) && reduced * WORTH < 1.0
+    }
+
     /// Laws of a further force where one closes the balance far better than the plain structure does (χ² `plain`).
     pub(crate) fn force_candidates(&self, setting: &Setting, plain: f64) -> Vec<BalanceCandidate> {
         let mut located = self.locate(setting);
         let mut setting = setting.clone();
-        if let Some(first) = located.first().filter(|l| l.chi < WORTH * plain) {
-            // The structure within its standard deviations and the place of the force, together: where noise is low either one alone comes to rest
-            // far from where both are.
-            if let Some((together, own)) =
-                self.located_beside(&setting, first.place, &self.place(setting.ports.len(), first.place))
-            {
-                setting = Setting { ports: setting.ports, ..own };
-                located = self.locate(&setting);
-                if located.first().is_none_or(|l| together.chi < l.chi) {
-                    located.insert(0, together);
-                }
+        // The structure within its standard deviations and the place of the force, together: where noise is low either one alone comes to rest
+        // far from where both are, and the best place along the beam may stand behind a mode until then.
+        let of_each_kind = [is_along, is_of_mode, is_of_support].map(|kind| located.iter().find(|l| kind(l)));
+        let together = of_each_kind.par_iter().flatten().filter_map(|l| {
+            self.located_beside(&setting, l.place, &self.place(setting.ports.len(), l.place))
+        });
+        if let Some((nearest, own)) = together.min_by(|(a, _), (b, _)| a.chi.total_cmp(&b.chi)) {
+            setting = Setting { ports: setting.ports, ..own };
+            located = self.locate(&setting);
+            if located.first().is_none_or(|l| nearest.chi < l.chi) {
+                located.insert(0, nearest);
             }
         }
         let Some(first) = located.first().filter(|l| l.chi < WORTH * plain) else { return Vec::new() };
@@ -390,7 +414,7 @@ impl Study<'_> {
     /// The place of a further force, the port of the given index, as an unknown, where it is one along the beam.
     fn place(&self, port: usize, place: PortPlace) -> Vec<Unknown> {
         let length = self.scales.length;
-        let along = |x: f64| (x - length / PLACES as f64, x + length / PLACES as f64);
+        let along = |x: f64| (x - BASIN * length, x + BASIN * length);
         match place {
             PortPlace::At(x) => {
                 vec![signed(Quantity::PortPosition(port), ("position", "m"), 1e-3 * length, along(x))]

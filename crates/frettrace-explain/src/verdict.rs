@@ -165,13 +165,14 @@ impl<'a> Search<'a> {
 
 impl Search<'_> {
     /// The models that have an answer and are what their last name says; of those without an answer it is kept why. A support that carries
-    /// nothing rubs, where the cubes and dampings that it could stand in for are in the list themselves. A mass that would have to be taken away is none.
+    /// nothing rubs, where the cubes and dampings that it could stand in for are in the list themselves. A mass that would have to be taken away is none, nor
+    /// is a spring that pulls away.
     fn answered(&mut self, asked: Vec<Asked>) -> Vec<Explained> {
         let mut found = Vec::new();
         let rubs = STANDS_IN_FOR.iter().all(|id| self.study.case.allows(id));
         for Asked { effect, answer } in asked {
             match answer {
-                Ok(model) if model.adds_its_mass() && (rubs || self.study.carries(&model)) => {
+                Ok(model) if model.is_passive() && (rubs || self.study.carries(&model)) => {
                     found.push(model);
                 }
                 Ok(_) => {}

@@ -59,3 +59,17 @@ fn a_rigid_contact_is_compared_on_a_grid_that_resolves_it() {
         assert!(after < 1.03, "{after}");
     }
 }
+
+/// Square damping on the same beam, `20 N·s²/m² ẇ|ẇ|` at 0.3 m: it leaves the balance at 1.3 times its noise, of which a free force at one place takes too little for the
+/// place to be told without a law, and no tangent of a contact that holds rigidly reaches far. Its own law on the balance tells it: unexplained without.
+#[test]
+fn a_weak_force_on_the_beam_is_told_by_its_law_beside_a_rigid_contact() {
+    let damped =
+        "[[effect]]\nid = \"structure.quadratic-damping\"\nposition_m = 0.3\ndamping_n_s2_per_m2 = 20.0\n";
+    let found = explained(measured(&(RIG.to_owned() + damped), |_| {}));
+    assert_eq!(named(&found), ["structure.quadratic-damping"], "{:?}", found.notes);
+    let place = &found.effects[0].parameters["position"];
+    assert!((place.value - 0.3).abs() < 0.03 * 0.868, "{} {}", place.value, place.std);
+    let [before, after] = over_noise(&found);
+    assert!(before > 1.2 && after < 1.03, "{before} {after}");
+}

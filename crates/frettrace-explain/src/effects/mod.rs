@@ -171,6 +171,14 @@ pub(crate) struct StructureForm {
     pub sensor: Option<usize>,
 }
 
+impl StructureForm {
+    /// Whether it puts one more force on the beam or on a mode than a setting has: such a force can be found without its law. One at the support is the contact's.
+    pub fn adds_a_force(&self, to: &Setting) -> bool {
+        let added = &self.setting.ports[to.ports.len().min(self.setting.ports.len())..];
+        added.iter().any(|port| matches!(port.place, PortPlace::At(_) | PortPlace::Mode(_)))
+    }
+}
+
 /// A simpler effect in the place of a richer one.
 pub(crate) struct Simpler {
     /// Its id.

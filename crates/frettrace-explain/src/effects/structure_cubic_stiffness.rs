@@ -30,10 +30,6 @@ impl Effect for StructureCubicStiffness {
     }
 
     fn structure_forms(&self, case: &Case, setting: &Setting, scales: &Scales) -> Vec<StructureForm> {
-        if case.rig.sensors.len() > 2 {
-            // The force is located without its law, and the law read off it.
-            return Vec::new();
-        }
         let cube = |port, name, modal| {
             let scale = cube_scale(case, scales, modal);
             vec![signed(Quantity::Port(port, 2), (name, "N/m^3"), scale, FREE)]

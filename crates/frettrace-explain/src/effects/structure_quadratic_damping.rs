@@ -30,10 +30,6 @@ impl Effect for StructureQuadraticDamping {
     }
 
     fn structure_forms(&self, case: &Case, setting: &Setting, scales: &Scales) -> Vec<StructureForm> {
-        if case.rig.sensors.len() > 2 {
-            // The force is located without its law, and the law read off it.
-            return Vec::new();
-        }
         let drag = |port, name, modal| {
             vec![signed(Quantity::Port(port, 3), (name, "N·s^2/m^2"), drag_scale(case, modal), FREE)]
         };

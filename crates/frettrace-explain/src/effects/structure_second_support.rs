@@ -30,10 +30,6 @@ impl Effect for StructureSecondSupport {
     }
 
     fn structure_forms(&self, case: &Case, setting: &Setting, scales: &Scales) -> Vec<StructureForm> {
-        if case.rig.sensors.len() > 2 {
-            // The force is located without its law, and the law read off it.
-            return Vec::new();
-        }
         let [stiffness, damping] = [spring_scale(case), spring_scale(case) * scales.period];
         forces_along(setting, scales, |port| {
             vec![

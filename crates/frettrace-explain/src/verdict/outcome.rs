@@ -102,7 +102,7 @@ impl Search<'_> {
             ));
             model = doubted;
         }
-        let borne_out = self.borne_out(&baseline, &model);
+        let borne_out = self.borne_out_on_its_grid(&baseline, &mut model);
         let faults = &self.study.case.faults;
         let named: Vec<&ChannelFault> = faults.iter().filter(|f| self.study.case.allows(f.id)).collect();
         let nameless = named.len() < faults.len();
@@ -224,6 +224,23 @@ impl Search<'_> {
         model.effects.len() - usize::from(self.lifts_off)
     }
 
+    /// Whether runs held out bear out the names of a model, which are asked on a finer grid where they do not, or where what is left speaks against a
+    /// name, and the lines hold more than their noise: values that were bent to what a grid cuts short follow the fitted runs alone.
+    fn borne_out_on_its_grid(&mut self, baseline: &Explained, model: &mut Explained) -> bool {
+        let (said, grid) = (self.notes.len(), self.refined);
+        let found = self.borne_out(baseline, model);
+        let stands = found && self.takes_all(baseline, model) && self.tells_both(baseline, model);
+        if stands || self.claimed(model) == 0 || !model.complete() {
+            return found;
+        }
+        *model = self.sharpened(model.clone(), LeftLines::is_noise, |_, sharper| sharper.complete());
+        if self.refined == grid {
+            return found;
+        }
+        self.notes.truncate(said);
+        self.borne_out(baseline, model)
+    }
+
     /// Whether runs that nothing was fitted to bear out what is named: by its standard error, and by a real share of what was
     /// missing in them.
     fn borne_out(&mut self, baseline: &Explained, model: &Explained) -> bool {
@@ -250,7 +267,9 @@ impl Search<'_> {
         }
         let ratio = |of: &Explained| self.study.error(&of.fitted, held_out).ratio();
         let unbent = self.unbent_baseline(baseline).filter(|unbent| ratio(unbent) < ratio(baseline));
-        if unbent.as_ref().is_some_and(|unbent| ratio(unbent) <= FORETOLD) {
+        // The error of all samples may be the noise of a weak run: what the lines hold must be so, too, or the balance's.
+        let foretells = |unbent: &Explained| ratio(unbent) <= FORETOLD && self.by_method(unbent, held_out);
+        if unbent.as_ref().is_some_and(foretells) {
             self.notes.push(
                 "the declared law as the recovered contacts show it foretells the runs held out within the noise: they bear out no effect".into(),
             );
@@ -469,13 +488,15 @@ impl Search<'_> {
         }
     }
 
-    /// Place of what stays unexplained: an open balance is never the contact. One that is closed by what is usual, yet not by what the
-    /// noise allows, is the contact's unless one more free value a line takes most of that.
+    /// Place of what stays unexplained: an open balance is never the contact, whatever closes it without a name. One that is closed by what is usual, yet
+    /// not by what the noise allows, is the contact's unless one more free value a line takes most of that.
     fn place(&self, baseline: &Explained, model: &Explained) -> EffectPlace {
         let mut model = model.clone();
         self.calibrate(&mut model);
+        let outside = shared_place(&model).filter(|&place| place != EffectPlace::Contact);
+        let stands_in = outside.is_some() && self.is_open(baseline);
         let (reduced, _) = self.study.balance_reduced(&model.fitted.setting);
-        if reduced <= BALANCE_CALIBRATED {
+        if reduced <= BALANCE_CALIBRATED && !stands_in {
             return EffectPlace::Contact;
         }
         let closed = self.closed(&model.fitted.setting);
@@ -487,12 +508,11 @@ impl Search<'_> {
                 (place, left) = bent;
             }
         }
-        if closed && stays_with_contact(reduced, left) {
+        if closed && !stands_in && stays_with_contact(reduced, left) {
             return EffectPlace::Contact;
         }
         // What stands in for all but a trace of what opened the balance leaves nothing of another place.
-        let outside = shared_place(&model).filter(|&place| place != EffectPlace::Contact);
-        outside.filter(|_| model.leaves_a_trace(baseline) && self.is_open(baseline)).unwrap_or(place)
+        outside.filter(|_| stands_in && model.leaves_a_trace(baseline)).unwrap_or(place)
     }
 
     /// Effects that these data do not rule out in one place of a model: the one whose formula stands there under the name of the simpler one that

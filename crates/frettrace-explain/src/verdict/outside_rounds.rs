@@ -201,14 +201,17 @@ impl Search<'_> {
         let mut candidates: Vec<BalanceCandidate> = Vec::new();
         let mut formless: Vec<usize> = Vec::new();
         for effect in rivals {
-            let forms = ALL[effect].structure_forms(case, &setting, &self.study.scales);
+            let mut forms = ALL[effect].structure_forms(case, &setting, &self.study.scales);
+            if self.study.locates() {
+                forms.retain(|form| !form.adds_a_force(&setting));
+            }
             if forms.is_empty() {
                 formless.push(effect);
             }
             let unfitted = |form| BalanceCandidate::unfitted(effect, form, baseline.criterion);
             candidates.extend(few_places(forms).into_iter().map(unfitted));
         }
-        // What the balance of many sensors locates without a law has no forms of its own.
+        // What the balance of many sensors locates is asked without a law.
         if !formless.is_empty() {
             let located = self.study.tangent_candidates(baseline).into_iter();
             candidates.extend(located.filter(|candidate| formless.contains(&candidate.effect)));
@@ -244,10 +247,13 @@ impl Search<'_> {
     ) -> (BalanceCandidate, Vec<BalanceCandidate>) {
         let (_, structural) = Unknown::parted(added);
         let plain = self.study.balance_base(setting, &structural);
-        let mut candidates = self.study.balance_candidates(setting, &structural, taken);
-        if self.study.locates_beside(setting) {
-            candidates.extend(self.study.force_candidates(setting, plain.criterion));
-        }
+        let located = match self.study.locates_beside(setting) {
+            true => self.study.force_candidates(setting, plain.criterion),
+            false => Vec::new(),
+        };
+        let by_law = located.is_empty() && self.study.asks_forces_by_law(setting, plain.reduced);
+        let mut candidates = self.study.balance_candidates(setting, &structural, (taken, by_law));
+        candidates.extend(located);
         if setting.ports.is_empty() {
             candidates.extend(self.study.base_candidate(setting, plain.criterion));
         }
@@ -299,10 +305,10 @@ impl Search<'_> {
             .collect();
         let found = self.answered(asked);
         let Some(best) = self.take_best(current, found) else { return Ok(None) };
-        let Some(rounded) = self.with_corner(&best) else { return Ok(Some(best)) };
-        let nearer = best.criterion - rounded.criterion;
+        let other = self.with_corner(&best).unwrap_or_else(|| self.with_formula(best.clone()));
+        let nearer = best.criterion - other.criterion;
         self.rivals.iter_mut().for_each(|rival| rival.behind += nearer);
-        Ok(Some(rounded))
+        Ok(Some(other))
     }
 
     /// A stop or a play along the beam with a corner of some length, where that explains better: what touches first is rough, or held softly.
@@ -336,7 +342,7 @@ impl Search<'_> {
     }
 
     /// A model with a stop in which runs rest elsewhere, these and everything else in turns; `lacked` is the excess before it.
-    fn rested(&self, mut found: Explained, lacked: f64) -> Explained {
+    pub(super) fn rested(&self, mut found: Explained, lacked: f64) -> Explained {
         // Far from the data it is not where runs rest that the model misses.
         let far = found.ratio > NEAR && found.excess() > MOST_TAKEN * lacked;
         if found.fitted.setting.rests.1.is_empty() || far {

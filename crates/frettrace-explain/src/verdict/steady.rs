@@ -11,7 +11,7 @@
 //! that are asked about all of them.
 
 use super::asked_again::{Begun, answer, answer_from};
-use super::{Outcome, Place, Verdict};
+use super::{Outcome, Verdict};
 use crate::search::NEAR;
 use crate::{Case, ExplainError, Fitted, Split, Study};
 use frettrace_friction::effects::Hook;
@@ -45,9 +45,8 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
         return Ok(found);
     }
     let (mut found, study) = answer_from(case, begun)?;
-    let unexplained = found.verdict == Verdict::Unexplained && found.place == Some(Place::Contact);
     let all = study.all_runs();
-    if !unexplained || study.error(&found.model.fitted, &all).ratio() > OF_A_SNAP {
+    if found.verdict != Verdict::Unexplained || study.error(&found.model.fitted, &all).ratio() > OF_A_SNAP {
         return Ok(found);
     }
     let aside = study.unsteady([&found.baseline.fitted, &found.model.fitted]);
