@@ -160,7 +160,7 @@ impl Search<'_> {
     ) -> Result<Option<Explained>, ExplainError> {
         let Some(pair) = self.contact(first)? else { return Ok(None) };
         // Where runs rest was told with the declared law.
-        let pair = if pair.complete() { pair } else { self.rested(pair, declared.excess()) };
+        let pair = if fills(&pair, declared) { pair } else { self.rested(pair, declared.excess()) };
         // Where a formula is in doubt another name may be it.
         let alone = pair.complete() || pair.is_far_ahead(least_excess(&pair, &self.rivals));
         Ok(Some(pair).filter(|_| alone).and_then(|pair| self.counted(declared, pair)))
