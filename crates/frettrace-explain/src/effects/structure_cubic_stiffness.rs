@@ -7,8 +7,9 @@
 //! *Mistaken for*: `contact.normal-stiffening`, `structure.second-support`; told apart by free decays from several amplitudes with the contact open: frequency rises with the square of the amplitude.
 
 use super::{Effect, EffectPlace, FREE, StructureForm, cube_scale, forces_along, forces_on_modes};
+use crate::force_laws::names;
 use crate::{Case, Scales, signed};
-use frettrace_forward::accelerations::{Quantity, Setting};
+use frettrace_forward::accelerations::{PortLaw, Quantity, Setting};
 
 pub(super) struct StructureCubicStiffness;
 
@@ -30,12 +31,12 @@ impl Effect for StructureCubicStiffness {
     }
 
     fn structure_forms(&self, case: &Case, setting: &Setting, scales: &Scales) -> Vec<StructureForm> {
-        let cube = |port, name, modal| {
+        let cube = |port, modal| {
             let scale = cube_scale(case, scales, modal);
-            vec![signed(Quantity::Port(port, 2), (name, "N/m^3"), scale, FREE)]
+            vec![signed(Quantity::Port(port, 2), names(PortLaw::Polynomial, modal)[2], scale, FREE)]
         };
-        let mut forms = forces_on_modes(setting, |port| cube(port, "modal_cube", true));
-        forms.extend(forces_along(setting, scales, |port| cube(port, "local_cube", false)));
+        let mut forms = forces_on_modes(setting, |port| cube(port, true));
+        forms.extend(forces_along(setting, scales, |port| cube(port, false)));
         forms
     }
 }

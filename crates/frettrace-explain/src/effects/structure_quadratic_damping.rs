@@ -7,8 +7,9 @@
 //! *Mistaken for*: `structure.modal-damping`, `friction.viscous`; told apart by free decays from several amplitudes with the contact open: damping rises with the amplitude.
 
 use super::{Effect, EffectPlace, FREE, StructureForm, drag_scale, forces_along, forces_on_modes};
+use crate::force_laws::names;
 use crate::{Case, Scales, signed};
-use frettrace_forward::accelerations::{Quantity, Setting};
+use frettrace_forward::accelerations::{PortLaw, Quantity, Setting};
 
 pub(super) struct StructureQuadraticDamping;
 
@@ -30,11 +31,12 @@ impl Effect for StructureQuadraticDamping {
     }
 
     fn structure_forms(&self, case: &Case, setting: &Setting, scales: &Scales) -> Vec<StructureForm> {
-        let drag = |port, name, modal| {
-            vec![signed(Quantity::Port(port, 3), (name, "N·s^2/m^2"), drag_scale(case, modal), FREE)]
+        let drag = |port, modal| {
+            let scale = drag_scale(case, modal);
+            vec![signed(Quantity::Port(port, 3), names(PortLaw::Polynomial, modal)[3], scale, FREE)]
         };
-        let mut forms = forces_on_modes(setting, |port| drag(port, "modal_square_damping", true));
-        forms.extend(forces_along(setting, scales, |port| drag(port, "local_square_damping", false)));
+        let mut forms = forces_on_modes(setting, |port| drag(port, true));
+        forms.extend(forces_along(setting, scales, |port| drag(port, false)));
         forms
     }
 }

@@ -7,8 +7,9 @@
 //! *Mistaken for*: `structure.added-mass`, `structure.cubic-stiffness`; told apart by a stethoscope, or a feeler gauge along the beam.
 
 use super::{Effect, EffectPlace, FREE, StructureForm, forces_along, spring_scale};
+use crate::force_laws::names;
 use crate::{Case, Scales, signed};
-use frettrace_forward::accelerations::{Quantity, Setting};
+use frettrace_forward::accelerations::{PortLaw, Quantity, Setting};
 
 pub(super) struct StructureSecondSupport;
 
@@ -31,10 +32,11 @@ impl Effect for StructureSecondSupport {
 
     fn structure_forms(&self, case: &Case, setting: &Setting, scales: &Scales) -> Vec<StructureForm> {
         let [stiffness, damping] = [spring_scale(case), spring_scale(case) * scales.period];
+        let [spring, dashpot, ..] = names(PortLaw::Polynomial, false);
         forces_along(setting, scales, |port| {
             vec![
-                signed(Quantity::Port(port, 0), ("support_stiffness", "N/m"), stiffness, FREE),
-                signed(Quantity::Port(port, 1), ("support_damping", "N·s/m"), damping, FREE),
+                signed(Quantity::Port(port, 0), spring, stiffness, FREE),
+                signed(Quantity::Port(port, 1), dashpot, damping, FREE),
             ]
         })
     }
