@@ -37,10 +37,10 @@ impl Located {
 
 /// Places tried along the beam before the best is refined.
 const PLACES: usize = 48;
-/// Share of the beam's length by which a place may move beside the structure: as far as the balance falls towards a place.
-const BASIN: f64 = 0.1;
 /// The first of them: a force nearer the clamp is the clamp's.
 const CLAMP: usize = 3;
+/// Share of the beam's length by which a place may move beside the structure: as far as the balance falls towards a place.
+const BASIN: f64 = 0.1;
 /// Modes that may carry a force of their own.
 const MODES: usize = 6;
 /// Share of the open balance that a force at one place must explain to be worth a law.
