@@ -74,16 +74,27 @@ impl Grid {
     ///
     /// Slices of other lengths are cut to the shorter of what is given and what is needed.
     pub fn project(&self, samples: &[f64], harmonics: &mut [Complex64], scratch: &mut GridScratch) {
+        self.transform(samples, scratch);
+        let scale = 1.0 / self.samples as f64;
+        for (h, (out, bin)) in harmonics.iter_mut().zip(&scratch.spectrum[..=self.order]).enumerate() {
+            *out = bin * if h == 0 { scale } else { 2.0 * scale };
+        }
+    }
+
+    fn transform(&self, samples: &[f64], scratch: &mut GridScratch) {
         scratch.signal.fill(0.0);
         let n = samples.len().min(self.samples);
         scratch.signal[..n].copy_from_slice(&samples[..n]);
         let done =
             self.forward.process_with_scratch(&mut scratch.signal, &mut scratch.spectrum, &mut scratch.work);
         debug_assert!(done.is_ok(), "the scratch belongs to another grid");
+    }
+
+    /// Samples (`N`) to all their bins (`⌊N/2⌋ + 1`), whatever the highest harmonic: `X_q = 1/N Σ_k x_k e^{−iqτ_k}`.
+    pub fn bins(&self, samples: &[f64], scratch: &mut GridScratch) -> Vec<Complex64> {
+        self.transform(samples, scratch);
         let scale = 1.0 / self.samples as f64;
-        for (h, (out, bin)) in harmonics.iter_mut().zip(&scratch.spectrum[..=self.order]).enumerate() {
-            *out = bin * if h == 0 { scale } else { 2.0 * scale };
-        }
+        scratch.spectrum.iter().map(|bin| bin * scale).collect()
     }
 
     /// Harmonics (`H + 1`) to samples (`N`): `x_k = Re Σ_h x̂_h e^{ihτ_k}`.
@@ -133,6 +144,21 @@ mod tests {
         assert!((x[1] - Complex64::ONE).norm() < 1e-15);
         grid.project(&(0..8).map(|k| tau(k).sin()).collect::<Vec<_>>(), &mut x, &mut scratch);
         assert!((x[1] + Complex64::I).norm() < 1e-15);
+    }
+
+    /// The bins of a wave above the grid's highest harmonic: `0.6 cos(3τ) − 0.8 sin(3τ)` has `X_3 = (0.6 + 0.8i)/2`, whatever the order.
+    #[test]
+    fn bins_reach_to_half_the_samples() {
+        let grid = Grid::new(1, 8).unwrap();
+        let tau = |k: usize| std::f64::consts::TAU * k as f64 / 8.0;
+        let wave: Vec<f64> =
+            (0..8).map(|k| 0.6 * (3.0 * tau(k)).cos() - 0.8 * (3.0 * tau(k)).sin()).collect();
+        let bins = grid.bins(&wave, &mut grid.scratch());
+        assert_eq!(bins.len(), 5);
+        for (q, bin) in bins.iter().enumerate() {
+            let expected = if q == 3 { Complex64::new(0.3, 0.4) } else { Complex64::ZERO };
+            assert!((bin - expected).norm() < 1e-15, "{q}: {bin}");
+        }
     }
 
     #[test]

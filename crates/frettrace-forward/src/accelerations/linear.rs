@@ -1,6 +1,7 @@
 //! Linearisation of one run: what the laws answer to a change of forces, motions or parameters.
 
 use super::contact::{Begun, Local, PARAMETERS};
+use super::momentary::Momentary;
 use super::response::{Moves, Response};
 use super::run::{Evaluation, LEAK, State, coefficient, store, velocity};
 use super::setting::PortPlace;
@@ -25,13 +26,26 @@ pub(super) struct Direction<const L: usize> {
     pub coefficient: Option<(usize, usize)>,
 }
 
+/// A motion on the grid to which forces answer.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Moved {
+    Slip,
+    Velocity,
+    /// The force that a rigid contact takes as long as it holds.
+    Trial,
+    /// The support's force from the motion of the end.
+    Support,
+    Port(usize),
+    PortVelocity(usize),
+}
+
 /// What every step of a period answers to small changes.
 pub(super) struct Tangent<'a> {
-    evaluation: &'a Evaluation<'a>,
-    locals: Vec<Local>,
+    pub(super) evaluation: &'a Evaluation<'a>,
+    pub(super) locals: Vec<Local>,
     begun: Begun,
     /// `∂f/∂d`, `∂f/∂ḋ` and `∂f/∂c` of every port at every sample.
-    ports: Vec<Vec<super::ports::PortForce>>,
+    pub(super) ports: Vec<Vec<super::ports::PortForce>>,
     response: Response,
 }
 
@@ -183,7 +197,6 @@ impl<'a> Tangent<'a> {
         let e = self.evaluation;
         let per_port = 2 * e.order() + 1;
         let mut jacobian = faer::Mat::<f64>::identity(e.width(), e.width());
-        let tables = Tables::new(e.grid.samples());
         let slopes = self.slopes();
         let resistance = e.rigid().then(|| e.resistance());
         let coupled: Vec<(usize, usize)> = (0..=e.layout.ports)
@@ -193,29 +206,44 @@ impl<'a> Tangent<'a> {
                 always || self.strength(&slopes, place) >= COUPLED
             })
             .collect();
+        // A run that is hard to balance may be the last one that anything waits for.
+        let answers: Vec<[Vec<f64>; 2]> = match Momentary::new(self) {
+            Some(momentary) => {
+                let of_line = |&place: &(usize, usize)| {
+                    momentary.answer(place.1, |moved| self.moved(moved, place, resistance))
+                };
+                coupled.par_iter().map(of_line).collect()
+            }
+            None => self.answers(&coupled, resistance),
+        };
+        for (&(port, line), answers) in coupled.iter().zip(&answers) {
+            let first = port * per_port + (2 * line).saturating_sub(1);
+            let columns = if line == 0 { 1 } else { 2 };
+            for (column, answer) in (first..first + columns).zip(answers) {
+                for (value, answer) in jacobian.col_as_slice_mut(column).iter_mut().zip(answer) {
+                    *value -= answer;
+                }
+            }
+        }
+        jacobian
+    }
+
+    /// What all forces answer where real and imaginary part of a port's force on a line alone change, through a contact that may remember.
+    fn answers(&self, places: &[(usize, usize)], resistance: Option<f64>) -> Vec<[Vec<f64>; 2]> {
+        let e = self.evaluation;
+        let tables = Tables::new(e.grid.samples());
         let begin = || (self.still(), e.grid.scratch());
         let answered = |(direction, scratch): &mut (Direction<LANES>, GridScratch),
                         group: &[(usize, usize)]| {
             for (pair, &place) in group.iter().enumerate() {
                 self.single_line(direction, (&tables, 2 * pair), place, resistance);
             }
-            self.answer(direction, scratch)
+            let mut lanes = self.answer(direction, scratch).into_iter();
+            let mut pair = || Some([lanes.next()?, lanes.next()?]);
+            group.iter().map_while(|_| pair()).collect::<Vec<_>>()
         };
-        // A run that is hard to balance may be the last one that anything waits for.
-        let groups = coupled.par_chunks(LANES / 2);
-        let answers: Vec<_> = groups.map_init(begin, |kept, group| answered(kept, group)).collect();
-        for (group, answers) in coupled.chunks(LANES / 2).zip(&answers) {
-            for (&(port, line), answers) in group.iter().zip(answers.chunks(2)) {
-                let first = port * per_port + (2 * line).saturating_sub(1);
-                let columns = if line == 0 { 1 } else { 2 };
-                for (column, answer) in (first..first + columns).zip(answers) {
-                    for (row, value) in answer.iter().enumerate() {
-                        jacobian[(row, column)] -= value;
-                    }
-                }
-            }
-        }
-        jacobian
+        let groups = places.par_chunks(LANES / 2);
+        groups.map_init(begin, |kept, group| answered(kept, group)).flatten_iter().collect()
     }
 
     /// Directions in which nothing moves yet.
@@ -273,29 +301,51 @@ impl<'a> Tangent<'a> {
         (port, line): (usize, usize),
         resistance: Option<f64>,
     ) {
+        let place = (port, line);
+        let wave = |moved: Moved, out: &mut [[f64; LANES]]| {
+            tables.wave((line, lane), self.moved(moved, place, resistance), out);
+        };
+        wave(Moved::Slip, &mut direction.slip);
+        wave(Moved::Velocity, &mut direction.velocity);
+        if !direction.support.is_empty() {
+            wave(Moved::Support, &mut direction.support);
+        }
+        if !direction.trial.is_empty() {
+            wave(Moved::Trial, &mut direction.trial);
+        }
+        for (p, [d, v]) in direction.ports.iter_mut().enumerate() {
+            wave(Moved::Port(p), d);
+            wave(Moved::PortVelocity(p), v);
+        }
+    }
+
+    /// Line `line` of a motion where the real part of a port's force on it alone changes by one.
+    fn moved(&self, moved: Moved, (port, line): (usize, usize), resistance: Option<f64>) -> Complex64 {
         let e = self.evaluation;
         let turn = Complex64::new(0.0, line as f64 * e.lines.omega);
         let row = |row: usize| -e.block.at(line, row, 1 + port);
-        let wave = |value: Complex64, out: &mut [[f64; LANES]]| tables.wave((line, lane), value, out);
-        let mut slip = row(0);
-        if line == 0 {
-            e.centre(std::slice::from_mut(&mut slip));
-        }
-        wave(slip, &mut direction.slip);
-        wave(slip * turn, &mut direction.velocity);
-        if !direction.support.is_empty() {
-            wave(row(1) * e.support_stiffness, &mut direction.support);
-        }
-        if let Some(resistance) = resistance {
-            let own = if port == 0 { Complex64::ONE } else { Complex64::ZERO };
-            let own = if line == 0 { own * (1.0 - LEAK) } else { own };
-            wave(own + slip * turn * resistance, &mut direction.trial);
-        }
-        for (p, [d, v]) in direction.ports.iter_mut().enumerate() {
+        let slip = || {
+            let mut slip = row(0);
+            if line == 0 {
+                e.centre(std::slice::from_mut(&mut slip));
+            }
+            slip
+        };
+        let of_port = |p: usize| {
             let held = (port, line) == (0, 0) && e.rest_of(p).is_some();
-            let motion = if held { Complex64::ZERO } else { row(e.layout.port_row(p)) };
-            wave(motion, d);
-            wave(motion * turn, v);
+            if held { Complex64::ZERO } else { row(e.layout.port_row(p)) }
+        };
+        match moved {
+            Moved::Slip => slip(),
+            Moved::Velocity => slip() * turn,
+            Moved::Support => row(1) * e.support_stiffness,
+            Moved::Trial => {
+                let own = if port == 0 { Complex64::ONE } else { Complex64::ZERO };
+                let own = if line == 0 { own * (1.0 - LEAK) } else { own };
+                own + slip() * turn * resistance.unwrap_or_default()
+            }
+            Moved::Port(p) => of_port(p),
+            Moved::PortVelocity(p) => of_port(p) * turn,
         }
     }
 }
@@ -342,13 +392,13 @@ impl Tables {
 
 #[cfg(test)]
 mod tests {
-    use super::Tangent;
+    use super::{Momentary, Tangent};
     use crate::accelerations::{AccelerationModel, Port, PortLaw, PortPlace, Rig, RunLines, Setting};
     use frettrace_beam::{Boundary, UniformBeam};
     use frettrace_friction::effects::{Hook, ModifiedLaw};
     use num_complex::Complex64;
 
-    /// A product is the derivative, column by column, times the forces: of a bristle whose friction changes with its place, under a support
+    /// A product is the derivative, column by column and by the slopes' lines, times the forces: of a bristle whose friction changes with its place, under a support
     /// with a mean of its own, and of a rigid contact.
     #[test]
     fn products_are_those_of_the_columns() {
@@ -391,6 +441,21 @@ mod tests {
             let forces: Vec<f64> = (0..e.width()).map(|k| 3.0 * (0.7 * k as f64).sin()).collect();
             let state = e.evaluate(&forces, &mut e.grid.scratch());
             let tangent = Tangent::new(&e, &state, &[]);
+            // Of what does not remember the quick way answers as the columns do.
+            let momentary = Momentary::new(&tangent);
+            assert_eq!(momentary.is_some(), rigid);
+            let resistance = rigid.then(|| e.resistance());
+            for place in (0..3).flat_map(|port| [0, 1, 7, 12].map(|line| (port, line))) {
+                let Some(momentary) = &momentary else { continue };
+                let slow = tangent.answers(&[place], resistance);
+                let quick = momentary.answer(place.1, |moved| tangent.moved(moved, place, resistance));
+                let size = slow[0][0].iter().chain(&slow[0][1]).fold(0.0, |most: f64, x| most.max(x.abs()));
+                for column in 0..if place.1 == 0 { 1 } else { 2 } {
+                    for (a, b) in slow[0][column].iter().zip(&quick[column]) {
+                        assert!((a - b).abs() < 1e-12 * size, "{place:?}: {a} {b}");
+                    }
+                }
+            }
             let change = faer::Col::from_fn(e.width(), |k| (1.9 * k as f64).cos());
             let expected = tangent.jacobian() * &change;
             let change: Vec<f64> = change.iter().copied().collect();

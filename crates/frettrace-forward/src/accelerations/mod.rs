@@ -12,6 +12,7 @@ mod krylov;
 mod least_squares;
 mod linear;
 mod model;
+mod momentary;
 mod phase;
 mod ports;
 mod response;
