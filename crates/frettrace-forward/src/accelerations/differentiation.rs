@@ -1,10 +1,11 @@
 //! Derivatives of one run's prediction by the implicit function theorem, and what sensors make of it.
 
+use super::factor::Factor;
 use super::linear::{Direction, Tangent};
 use super::model::{Linearised, Prediction};
 use super::run::{Evaluation, coefficient};
 use super::setting::{Quantity, Setting};
-use super::solve::{Factor, RunMemory};
+use super::solve::RunMemory;
 use super::structure::{Layout, Structure};
 use frettrace_friction::effects::Hook;
 use num_complex::Complex64;
@@ -39,7 +40,7 @@ impl Differentiation<'_> {
         let state = evaluation.evaluate(&kept.unknowns, &mut scratch);
         let tangent = Tangent::new(evaluation, &state, &hooks);
         let factor = kept.current().unwrap_or_else(|| {
-            let factor: Factor = Arc::new(tangent.jacobian().partial_piv_lu());
+            let factor = Arc::new(Factor::new(tangent.jacobian()));
             kept.factor = Some((factor.clone(), Arc::new(kept.unknowns.clone())));
             factor
         });
@@ -53,8 +54,8 @@ impl Differentiation<'_> {
             .map(|(index, &quantity)| self.direct((index, quantity), &hooks, (&tangent, kept), &mut scratch))
             .collect();
         let answers: Vec<&Vec<f64>> = direct.iter().filter_map(|d| d.answer.as_ref()).collect();
-        let right = faer::Mat::from_fn(evaluation.width(), answers.len(), |row, j| answers[j][row]);
-        let forces = faer::linalg::solvers::Solve::solve(factor.as_ref(), &right);
+        let mut forces = faer::Mat::from_fn(evaluation.width(), answers.len(), |row, j| answers[j][row]);
+        factor.solve_in_place(forces.as_mut());
         let mut solved = forces.col_iter();
         let columns = self
             .quantities

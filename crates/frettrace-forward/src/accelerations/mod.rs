@@ -8,6 +8,7 @@
 mod balance;
 mod contact;
 mod differentiation;
+mod factor;
 mod krylov;
 mod least_squares;
 mod linear;

@@ -11,8 +11,10 @@
 use super::contact::Local;
 use super::linear::{Moved, Tangent};
 use super::setting::PortPlace;
+use faer::{ColMut, Mat};
 use frettrace_fourier::{Grid, GridScratch};
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 /// Slopes of one force by one motion: `G(q)` for `q = −H..=2H`.
 struct Slope {
@@ -78,11 +80,41 @@ impl Momentary {
         Some(Self { order: e.order(), forces })
     }
 
-    /// Harmonics of all forces where real and imaginary part of a port's force on a line alone change; `moved` is the line of each motion then.
-    pub fn answer(&self, line: usize, moved: impl Fn(Moved) -> Complex64) -> [Vec<f64>; 2] {
+    /// Takes what the forces answer to those on each line of each port that is coupled from the columns of these; `moved` is the line of a motion where the
+    /// real part of one changes by one.
+    pub fn subtract_from(
+        &self,
+        columns: &mut Mat<f64>,
+        is_coupled: impl Fn((usize, usize)) -> bool + Sync,
+        moved: impl Fn(Moved, (usize, usize)) -> Complex64 + Sync,
+    ) {
+        let mut none = vec![0.0; columns.nrows()];
+        let contiguous = columns.col_iter_mut().filter_map(ColMut::try_as_col_major_mut);
+        let mut columns: Vec<&mut [f64]> = contiguous.map(ColMut::as_slice_mut).collect();
+        for (port, own) in columns.chunks_mut(2 * self.order + 1).enumerate() {
+            let of_line = |line: usize, real: &mut [f64], imaginary: &mut [f64]| {
+                if is_coupled((port, line)) {
+                    self.subtract(line, |what| moved(what, (port, line)), (real, imaginary));
+                }
+            };
+            let Some((mean, lines)) = own.split_first_mut() else { continue };
+            of_line(0, mean, &mut none);
+            lines.par_chunks_exact_mut(2).enumerate().for_each(|(at, pair)| {
+                if let [real, imaginary] = pair {
+                    of_line(at + 1, real, imaginary);
+                }
+            });
+        }
+    }
+
+    /// The same on one line, from the columns of the real and of the imaginary part of the force; a mean has the former only.
+    pub fn subtract(
+        &self,
+        line: usize,
+        moved: impl Fn(Moved) -> Complex64,
+        (real, imaginary): (&mut [f64], &mut [f64]),
+    ) {
         let width = 2 * self.order + 1;
-        let mut out = [(); 2].map(|()| vec![0.0; self.forces.len() * width]);
-        let [real, imaginary] = &mut out;
         let outs = real.chunks_mut(width).zip(imaginary.chunks_mut(width));
         for (slopes, (real, imaginary)) in self.forces.iter().zip(outs) {
             for slope in slopes {
@@ -91,19 +123,18 @@ impl Momentary {
                 let below = &slope.lines[self.order - line..];
                 let above = &slope.lines[self.order + line..];
                 let (a, b) = of(below[0], above[0]);
-                real[0] += 0.5 * (a + b).re;
-                imaginary[0] -= 0.5 * (a - b).im;
+                real[0] -= 0.5 * (a + b).re;
+                imaginary[0] += 0.5 * (a - b).im;
                 let pairs = real[1..].chunks_exact_mut(2).zip(imaginary[1..].chunks_exact_mut(2));
                 for ((real, imaginary), (below, above)) in pairs.zip(below[1..].iter().zip(&above[1..])) {
                     let (a, b) = of(*below, *above);
-                    real[0] += a.re + b.re;
-                    real[1] += a.im + b.im;
-                    imaginary[0] += b.im - a.im;
-                    imaginary[1] += a.re - b.re;
+                    real[0] -= a.re + b.re;
+                    real[1] -= a.im + b.im;
+                    imaginary[0] -= b.im - a.im;
+                    imaginary[1] -= a.re - b.re;
                 }
             }
         }
-        out
     }
 }
 

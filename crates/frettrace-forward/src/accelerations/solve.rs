@@ -1,6 +1,7 @@
 //! The contact forces of one run: Newton's method on `f − Φ(R_e F_e − R f) = 0`.
 
 use super::balance::{recover, settle_ports};
+use super::factor::Factor;
 use super::krylov::{self, inner};
 use super::linear::Tangent;
 use super::run::{Evaluation, State, coefficient};
@@ -9,14 +10,12 @@ use frettrace_fourier::GridScratch;
 use num_complex::Complex64;
 use std::sync::Arc;
 
-pub(super) type Factor = Arc<faer::linalg::solvers::PartialPivLu<f64>>;
-
 /// What is kept between evaluations, one a run.
 #[derive(Clone, Default)]
 pub struct RunMemory {
     pub(super) unknowns: Vec<f64>,
     /// Factor of the derivative of the imbalance, and the unknowns it was taken at.
-    pub(super) factor: Option<(Factor, Arc<Vec<f64>>)>,
+    pub(super) factor: Option<(Arc<Factor>, Arc<Vec<f64>>)>,
 }
 
 impl RunMemory {
@@ -58,7 +57,7 @@ impl RunMemory {
     }
 
     /// Whether the factor still belongs to the unknowns: within `1e-3` of their size.
-    pub(super) fn current(&self) -> Option<Factor> {
+    pub(super) fn current(&self) -> Option<Arc<Factor>> {
         let (factor, at) = self.factor.as_ref()?;
         let (mut change, mut size) = (0.0, 0.0);
         for (x, old) in self.unknowns.iter().zip(at.iter()) {
@@ -278,7 +277,7 @@ fn newton(
             (updates, before, slow) = (Updates::default(), None, 0);
         }
         let Some((factor, _)) = &kept.factor else { return Err(left) };
-        let plain = by_factor(factor, &at.difference);
+        let plain = factor.solve(&at.difference);
         if let Some((from, made)) = before.take() {
             let s = kept.unknowns.iter().zip(&from).map(|(x, old)| x - old).collect();
             updates.learn(s, plain.iter().zip(&made).map(|(new, old)| new - old).collect());
@@ -307,18 +306,12 @@ fn by_products(
     scratch: &mut GridScratch,
 ) -> Option<Vec<f64>> {
     let tangent = Tangent::new(e, &at.state, &[]);
-    let product = |x: &[f64]| by_factor(factor, &tangent.product(x, scratch));
-    krylov::solve(product, by_factor(factor, &at.difference), PRODUCTS)
+    let product = |x: &[f64]| factor.solve(&tangent.product(x, scratch));
+    krylov::solve(product, factor.solve(&at.difference), PRODUCTS)
 }
 
-/// What a factor makes of a vector.
-fn by_factor(factor: &Factor, x: &[f64]) -> Vec<f64> {
-    let right = faer::Col::from_fn(x.len(), |i| x[i]);
-    faer::linalg::solvers::Solve::solve(factor.as_ref(), &right).iter().copied().collect()
-}
-
-fn factorise(e: &Evaluation<'_>, state: &State) -> Factor {
-    Arc::new(Tangent::new(e, state, &[]).jacobian().partial_piv_lu())
+fn factorise(e: &Evaluation<'_>, state: &State) -> Arc<Factor> {
+    Arc::new(Factor::new(Tangent::new(e, state, &[]).jacobian()))
 }
 
 /// Goes along the step as far as the imbalance does not grow.
