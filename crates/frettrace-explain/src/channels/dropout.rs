@@ -16,6 +16,8 @@ const BY_CHANCE: f64 = 1e-3;
 const GONE: f64 = 0.1;
 /// … and that of another channel above which the rig moves as it does elsewhere.
 const MOVING: f64 = 0.5;
+/// Share of the windows apart from what is quiet that may hold less than that in a channel that does not come and go by itself.
+const WANDERS: f64 = 0.05;
 /// Samples to each side of a dropout that filters may have touched.
 const MARGIN: usize = 2;
 /// Steps in which gap and lines around it agree: each leaves the gap's share of the record.
@@ -120,7 +122,8 @@ fn gaps(signal: &[f64], others: &[&[f64]], (period, holds): (usize, bool)) -> Ve
 /// Marks whole periods in which the signal does not move as it does elsewhere, while most other channels do: a rig that beats or
 /// dies away is quiet in all of them. What is lost is lost and found again from one period to the next. A channel that beats alone,
 /// with a hum or near a node of one of two motions, passes through its quiet: where its size grows as `|t|` and a whole
-/// period `T` holds the share [`GONE`] of the usual, `T` and an eighth later it has risen by `GONE √12 · 9/8` to at most 0.40.
+/// period `T` holds the share [`GONE`] of the usual, `T` and an eighth later it has risen by `GONE √12 · 9/8` to at most 0.40. One that comes and
+/// goes as it will, in a motion without a period, is below [`MOVING`] in many more windows ([`WANDERS`]) than what is lost touches.
 fn quiet_periods(signal: &[f64], others: &[&[f64]], period: usize, lost: &mut [bool]) {
     let n = signal.len();
     if period < FEWEST || n < 4 * period {
@@ -129,7 +132,13 @@ fn quiet_periods(signal: &[f64], others: &[&[f64]], period: usize, lost: &mut [b
     let starts: Vec<usize> = (0..=n - period).step_by((period / 8).max(1)).collect();
     let share = Share::new(signal, &starts, period);
     let quiet: Vec<usize> = starts.iter().copied().filter(|&start| share.at(start) < GONE).collect();
-    if quiet.is_empty() {
+    let is_whole = |start: usize| {
+        let touched = |own: &usize| own.abs_diff(start) <= period;
+        !quiet.iter().any(touched) && !lost[start..start + period].contains(&true)
+    };
+    let elsewhere: Vec<usize> = starts.iter().copied().filter(|&start| is_whole(start)).collect();
+    let low = elsewhere.iter().filter(|&&start| share.at(start) < MOVING).count();
+    if quiet.is_empty() || low as f64 > WANDERS * elsewhere.len() as f64 {
         return;
     }
     let beside: Vec<Share<'_>> = others.iter().map(|other| Share::new(other, &starts, period)).collect();
@@ -296,6 +305,23 @@ mod tests {
         assert!(alone[1000..1100].iter().all(|lost| *lost));
         assert!(alone.iter().filter(|lost| **lost).count() <= 100 + 2 * super::MARGIN);
         assert!(gaps(&fallen, &[&other, &other, &going], (50, false)).iter().all(|lost| !lost));
+    }
+
+    /// Forty periods of fifty samples, the size of each by the map `x ← 4x(1 − x)`, whose values are below half of their median in a third of all periods:
+    /// several are below a tenth of it, and nothing is lost.
+    #[test]
+    fn a_channel_that_comes_and_goes_has_lost_nothing() {
+        let wandering = |seed: f64| -> Vec<f64> {
+            let sizes = std::iter::successors(Some(seed), |size| Some(4.0 * size * (1.0 - size)));
+            let wave =
+                |size: f64| (0..50).map(move |k| size * (std::f64::consts::TAU * f64::from(k) / 50.0).sin());
+            sizes.take(40).flat_map(wave).collect()
+        };
+        let others = [wandering(0.3), wandering(0.41)];
+        let beside: Vec<&[f64]> = others.iter().map(Vec::as_slice).collect();
+        for seed in [0.123, 0.2, 0.57] {
+            assert!(gaps(&wandering(seed), &beside, (50, false)).iter().all(|lost| !lost), "{seed}");
+        }
     }
 
     /// Forty periods of sixty samples of which the channel reads noise of a hundredth for forty: less than a period, and for twenty: less than half of
