@@ -136,6 +136,8 @@ struct Search<'a> {
     rivals: Vec<Rival>,
     /// Effects, by their places in the model, whose formulas stand under another name, of which alone something shows.
     renamed: Vec<(usize, usize)>,
+    /// Single names that followed other fitted runs, of which those held out made the search begin anew.
+    told_by_others: Vec<usize>,
     notes: Vec<String>,
 }
 
@@ -158,6 +160,7 @@ impl<'a> Search<'a> {
             refused: Vec::new(),
             rivals: Vec::new(),
             renamed: Vec::new(),
+            told_by_others: Vec::new(),
             notes: Vec::new(),
         }
     }

@@ -67,7 +67,9 @@ pub(super) fn answer_from<'a>(
             found.search.study.held_out.len(),
             found.held_out_ratio()
         ));
+        let told = found.told();
         found = Found::by(case, split)?;
+        found.search.told_by_others.extend(told);
     }
     if split == Split::First && found.is_ambiguous() {
         let ratio = found.held_out_ratio();
@@ -246,6 +248,11 @@ impl Search<'_> {
 impl<'a> Found<'a> {
     fn by(case: &'a Case, split: Split) -> Result<Self, ExplainError> {
         Begun::new(case, split)?.searched(split)
+    }
+
+    /// The single name that the fitted runs told.
+    fn told(&self) -> Option<usize> {
+        Some(&self.model).filter(|model| model.is_single() && model.complete()).map(|model| model.effects[0])
     }
 
     /// Error over noise of the runs held out; 1 where there are none.

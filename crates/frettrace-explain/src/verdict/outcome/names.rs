@@ -9,7 +9,8 @@ use crate::search::Explained;
 
 impl Search<'_> {
     /// Effects that these data do not rule out in one place of a model: the one whose formula stands there under the name of the simpler one that
-    /// it shows. In the last place also those near in evidence; where the formula is in doubt, known rivals that leave little more; and known rivals that were not asked for.
+    /// it shows. In the last place also those near in evidence; where the formula is in doubt, known rivals that leave little more; and known rivals that were not asked
+    /// for, or followed other fitted runs: where runs disagree about a name, a fit that ends elsewhere does not rule it out.
     fn not_ruled_out(&self, model: &Explained, place: usize) -> Vec<usize> {
         let effect = model.effects[place];
         let renamed = self.renamed.iter().filter(|(at, _)| *at == place).map(|(_, other)| *other);
@@ -25,8 +26,9 @@ impl Search<'_> {
         };
         let unasked =
             (0..ALL.len()).filter(|&other| known(other) && !self.study.case.allows(ALL[other].id()));
-        let mut found: Vec<usize> =
-            self.rivals.iter().filter(near).map(|r| r.effect).chain(unasked).chain(renamed).collect();
+        let elsewhere = self.told_by_others.iter().copied().filter(|&other| other != effect && known(other));
+        let near = self.rivals.iter().filter(near).map(|r| r.effect);
+        let mut found: Vec<usize> = near.chain(unasked).chain(elsewhere).chain(renamed).collect();
         found.sort_unstable();
         found.dedup();
         found
