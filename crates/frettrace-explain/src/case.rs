@@ -93,6 +93,8 @@ pub fn signed(quantity: Quantity, (name, unit): (&str, &str), scale: f64, bounds
 /// Smallest relative standard deviations that a declared frequency and damping ratio may claim: a clamp is never
 /// tightened twice alike, and a free decay gives damping to some tenth of a per cent at best.
 const LEAST_STD: [f64; 2] = [2e-6, 5e-4];
+/// Relative standard deviation of a natural frequency that was not measured.
+const UNMEASURED: f64 = 1e-3;
 
 /// Bounds a declared value by five standard deviations: beyond them the declaration itself is wrong, and that is an
 /// effect with a name, not a calibration.
@@ -257,7 +259,7 @@ impl Case {
             given.get(n).map_or(otherwise * value, |s| s.max(least * value))
         };
         for (n, (&frequency, &damping)) in modes.frequency.iter().zip(&modes.damping).enumerate() {
-            let width = std(&modes.frequency_std, n, frequency, LEAST_STD[0], 1e-3);
+            let width = std(&modes.frequency_std, n, frequency, LEAST_STD[0], UNMEASURED);
             let prior = Prior { mean: frequency, std: width };
             let parameter = within(Parameter::declared(&format!("frequency_{}", n + 1), "rad/s", prior));
             unknowns.push(Unknown { quantity: Quantity::ModeFrequency(n), parameter });
@@ -288,6 +290,17 @@ impl Case {
             None => (frettrace_beam::Dof::displacement(end), 1.0),
         };
         model.residual(dof, dof).abs() * lever * lever
+    }
+
+    /// The same with no natural frequency known better than to a thousandth, as where none was measured.
+    pub(crate) fn loosened(&self) -> Self {
+        let mut case = self.clone();
+        let DeclaredModes { frequency, frequency_std, .. } = &mut case.modes;
+        frequency_std
+            .iter_mut()
+            .zip(frequency)
+            .for_each(|(std, frequency)| *std = std.max(UNMEASURED * *frequency));
+        case
     }
 
     /// Whether a natural frequency is known to no better than 5e-5: then a tenth of a resonance's width, and a law fitted on

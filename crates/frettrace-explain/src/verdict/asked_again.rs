@@ -102,7 +102,7 @@ impl<'a> Begun<'a> {
     pub(super) fn new(case: &'a Case, split: Split) -> Result<Self, ExplainError> {
         let (study, setting) = Study::new(case, split)?;
         let mut search = Search::new(study);
-        let declared = search.baseline(setting)?;
+        let declared = search.baseline(setting.clone())?;
         let mut baseline = search.beside_support(declared);
         if !baseline.complete() && (baseline.ratio < NEAR || baseline.fitted.setting.rigid) {
             let lacked = baseline.excess();
@@ -111,6 +111,12 @@ impl<'a> Begun<'a> {
         }
         if !baseline.complete()
             && let Some(better) = search.restarted(&baseline)
+        {
+            baseline = better;
+        }
+        if !baseline.complete()
+            && search.study.support.is_none()
+            && let Some(better) = search.by_loose_modes(&baseline, setting)
         {
             baseline = better;
         }

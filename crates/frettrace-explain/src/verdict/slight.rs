@@ -4,12 +4,12 @@
 
 use super::rules::helps;
 use super::{EVIDENCE, Rival, Search};
-use crate::Unknown;
 use crate::balance_fit::BalanceCandidate;
 use crate::effects::{ALL, listed};
 use crate::left::LeftLines;
 use crate::search::Explained;
-use frettrace_forward::accelerations::Quantity;
+use crate::{Study, Unknown};
+use frettrace_forward::accelerations::{Quantity, Setting};
 use frettrace_identify::HALF_INTERVAL95;
 use rayon::prelude::*;
 
@@ -59,6 +59,18 @@ impl Search<'_> {
     /// Whether what a model with a rigid contact leaves beside the noise is what its phase grid may be wrong by.
     pub(super) fn is_of_grid(&self, model: &Explained) -> bool {
         model.fitted.setting.rigid && self.study.within_doubt(model) == Some(true)
+    }
+
+    /// The declared model that ended with a mode at the end of what was declared of it, from where it ends when no mode is known that well: between
+    /// narrow bounds a fit may come to rest in a valley of the law that has its way out beyond them. `None` where that does not explain better.
+    pub(super) fn by_loose_modes(&self, declared: &Explained, start: Setting) -> Option<Explained> {
+        strained(declared).next()?;
+        let case = self.study.case.loosened();
+        let mut loose = Search::new(Study { case: &case, ..self.study.clone() });
+        let begun = loose.baseline(start).ok()?;
+        let ended = if begun.complete() { begun } else { loose.restarted(&begun).unwrap_or(begun) };
+        let found = self.study.polished(&ended).ok()?;
+        (found.criterion + EVIDENCE < declared.criterion).then_some(found)
     }
 
     /// A model that is complete with a mode at the end of what was declared of it, with that mode released: law and modes together may
