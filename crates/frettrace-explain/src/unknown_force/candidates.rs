@@ -14,6 +14,11 @@ use std::sync::Arc;
 /// Share of the open balance that a force at one place must explain to be worth a law.
 const WORTH: f64 = 0.3;
 
+/// Places of equal standing whose laws are asked, …
+const BEST: usize = 3;
+/// … and others along the beam.
+const ALONG: usize = 6;
+
 impl Study<'_> {
     /// A motion of the base of any size and phase on every line, where it closes the balance far better than the plain
     /// structure does: recovered beside the contact force, then an input with a factor.
@@ -74,11 +79,10 @@ impl Study<'_> {
             }
         }
         let Some(first) = located.first().filter(|l| l.chi < WORTH * plain) else { return Vec::new() };
-        let mut found: Vec<BalanceCandidate> = located
-            .iter()
-            .filter(|l| l.reduced() < NEAR * first.reduced().max(1.0))
-            .take(3)
-            .flat_map(|place| self.force_laws(&setting, place))
+        let equal = located.iter().filter(|l| l.reduced() < NEAR * first.reduced().max(1.0));
+        let mut found: Vec<BalanceCandidate> = some_of(&equal.copied().collect::<Vec<_>>())
+            .par_iter()
+            .flat_map_iter(|place| self.force_laws(&setting, place))
             .collect();
         found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
         found
@@ -194,6 +198,20 @@ impl Study<'_> {
         }
         StructureForm { setting, unknowns, sensor: None }
     }
+}
+
+/// Of places of equal standing, best first, the best [`BEST`], and others evenly along the beam: where no sensor stands between a force and the contact, the
+/// two are told apart by their laws alone.
+fn some_of(equal: &[Located]) -> Vec<Located> {
+    let (best, rest) = equal.split_at(equal.len().min(BEST));
+    let along = |located: &Located| match located.place {
+        PortPlace::At(x) => x,
+        _ => f64::NAN,
+    };
+    let mut rest: Vec<Located> = rest.iter().copied().filter(is_along).collect();
+    rest.sort_by(|a, b| along(a).total_cmp(&along(b)));
+    let spread = rest.iter().rev().step_by(rest.len().div_ceil(ALONG).max(1));
+    best.iter().chain(spread).copied().collect()
 }
 
 /// Lines of what was free beside the contact, those within five standard deviations of nothing left out.
