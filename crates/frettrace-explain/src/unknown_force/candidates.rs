@@ -210,8 +210,9 @@ fn some_of(equal: &[Located]) -> Vec<Located> {
     };
     let mut rest: Vec<Located> = rest.iter().copied().filter(is_along).collect();
     rest.sort_by(|a, b| along(a).total_cmp(&along(b)));
-    let spread = rest.iter().rev().step_by(rest.len().div_ceil(ALONG).max(1));
-    best.iter().chain(spread).copied().collect()
+    let few = rest.len().min(ALONG);
+    let spread = (0..few).map(|k| rest[k * (rest.len() - 1) / (few - 1).max(1)]);
+    best.iter().copied().chain(spread).collect()
 }
 
 /// Lines of what was free beside the contact, those within five standard deviations of nothing left out.
@@ -220,4 +221,34 @@ fn significant(balance: &Balance) -> Vec<Complex64> {
         return Vec::new();
     };
     lines.iter().zip(std).map(|(l, d)| if l.norm() > 5.0 * d { *l } else { Complex64::ZERO }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ALONG, BEST, Located, some_of};
+    use frettrace_forward::accelerations::PortPlace;
+
+    /// Twenty-one places from 0.5 m to 0.7 m, of which 0.7 m is the best and each other one worse the farther it is away: the three next to the contact, and
+    /// six from one end of the others to the other. Of a mode there is one place; of few places all are asked.
+    #[test]
+    fn places_of_equal_standing_are_asked_from_end_to_end() {
+        let at = |place: PortPlace, chi: f64| Located { place, chi, freedom: 1 };
+        let along: Vec<Located> = (0..=20)
+            .map(|k| at(PortPlace::At(0.7 - 0.01 * f64::from(k)), 1.0 + 1e-6 * f64::from(k)))
+            .collect();
+        let asked = some_of(&along);
+        assert_eq!(asked.len(), BEST + ALONG);
+        let place = |located: &Located| match located.place {
+            PortPlace::At(x) => (100.0 * x).round(),
+            _ => 0.0,
+        };
+        assert_eq!(
+            asked.iter().map(place).collect::<Vec<_>>(),
+            [70.0, 69.0, 68.0, 50.0, 53.0, 56.0, 60.0, 63.0, 67.0]
+        );
+        assert_eq!(some_of(&along[..5]).len(), 5);
+        assert_eq!(some_of(&along[..1]).len(), 1);
+        let modes: Vec<Located> = (0..5).map(|mode| at(PortPlace::Mode(mode), 1.0)).collect();
+        assert_eq!(some_of(&modes).len(), BEST);
+    }
 }
