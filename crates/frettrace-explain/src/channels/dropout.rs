@@ -132,13 +132,16 @@ fn quiet_periods(signal: &[f64], others: &[&[f64]], period: usize, lost: &mut [b
     let starts: Vec<usize> = (0..=n - period).step_by((period / 8).max(1)).collect();
     let share = Share::new(signal, &starts, period);
     let quiet: Vec<usize> = starts.iter().copied().filter(|&start| share.at(start) < GONE).collect();
+    if quiet.is_empty() {
+        return;
+    }
     let is_whole = |start: usize| {
         let touched = |own: &usize| own.abs_diff(start) <= period;
         !quiet.iter().any(touched) && !lost[start..start + period].contains(&true)
     };
     let elsewhere: Vec<usize> = starts.iter().copied().filter(|&start| is_whole(start)).collect();
     let low = elsewhere.iter().filter(|&&start| share.at(start) < MOVING).count();
-    if quiet.is_empty() || low as f64 > WANDERS * elsewhere.len() as f64 {
+    if low as f64 > WANDERS * elsewhere.len() as f64 {
         return;
     }
     let beside: Vec<Share<'_>> = others.iter().map(|other| Share::new(other, &starts, period)).collect();
