@@ -12,6 +12,7 @@ pub(crate) mod effects;
 mod exhibit;
 mod fitting;
 mod force_laws;
+mod kept;
 mod law_starts;
 mod left;
 mod maps;

@@ -270,10 +270,11 @@ impl Study<'_> {
         Some(reduced)
     }
 
-    /// A model fitted from where it is; `None` where a few steps leave it far behind another one's criterion.
+    /// A model fitted from where it is; `None` where a few steps leave it far behind another one's criterion, or behind it and far from the data.
     pub(crate) fn fitted_if_near(&self, from: &Explained, criterion: f64) -> Option<Explained> {
         let begun = self.fitted_on(from, (&from.fitted.memory, FIRST_STEPS)).ok()?;
-        if begun.criterion > BEHIND * criterion {
+        let far = begun.ratio > NEAR && begun.criterion > criterion;
+        if far || begun.criterion > BEHIND * criterion {
             return None;
         }
         let ended = begun.fitted.fit.status != Status::IterationLimit;

@@ -14,6 +14,7 @@ mod baseline;
 mod choice;
 mod contact_rounds;
 mod finer;
+mod known;
 mod open_runs;
 mod outcome;
 mod outside_rounds;
@@ -134,8 +135,12 @@ struct Search<'a> {
     refused: Vec<(usize, String)>,
     /// Models beside the best one.
     rivals: Vec<Rival>,
+    /// Complete ones among them as they were fitted, the best few.
+    runners_up: Vec<Explained>,
     /// Effects, by their places in the model, whose formulas stand under another name, of which alone something shows.
     renamed: Vec<(usize, usize)>,
+    /// Whole models that were asked already, by this search or one that it was begun from.
+    known: known::Known,
     /// Single names that followed other fitted runs, of which those held out made the search begin anew.
     told_by_others: Vec<usize>,
     notes: Vec<String>,
@@ -159,8 +164,10 @@ impl<'a> Search<'a> {
             tried: Vec::new(),
             refused: Vec::new(),
             rivals: Vec::new(),
+            runners_up: Vec::new(),
             renamed: Vec::new(),
             told_by_others: Vec::new(),
+            known: known::Known::default(),
             notes: Vec::new(),
         }
     }
@@ -220,11 +227,7 @@ impl Search<'_> {
         let mended = current.effects.len() > 1 && self.shows_nothing(&current);
         if current.complete() && !mended {
             let named = !current.effects.is_empty();
-            return Ok(self.sharpened(
-                current,
-                |left| !named || left.is_near_noise(),
-                |_, one| one.complete(),
-            ));
+            return Ok(self.sharpened_among(current, |left| !named || left.is_near_noise()));
         }
         let sufficient = current.sufficient(baseline);
         let Some((one, rivals)) = single else { return Ok(current) };

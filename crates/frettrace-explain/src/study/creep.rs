@@ -10,7 +10,7 @@
 //!
 //! [`ModifiedLaw::drift`]: frettrace_friction::effects::ModifiedLaw::drift
 
-use super::{Fitted, Predicted, Study};
+use super::Study;
 use crate::search::{Explained, NEAR};
 use frettrace_forward::accelerations::{ContactHistory, Setting};
 use frettrace_friction::effects::Hook;
@@ -74,12 +74,12 @@ impl Study<'_> {
         let settled: Vec<Option<ContactHistory>> =
             runs.par_iter().map(|&run| self.contact_history(model, &settled, run)).collect();
         let mut setting = model.fitted.setting.clone();
+        // Every look begins at the motions that the model has, those of the runs held out among them: what has no answer near them tells nothing.
+        let mut known = model.fitted.memory.clone();
+        self.begin(&setting, &runs, &mut known);
+        self.model.approach_each(&setting, &runs, &mut known).ok()?;
         setting.deflections.resize(self.model.runs.len(), None);
-        let left_by = |setting: &Setting| {
-            let tried =
-                Fitted { setting: setting.clone(), predicted: Predicted::default(), ..model.fitted.clone() };
-            self.chi_squared(&tried, &runs)
-        };
+        let left_by = |setting: &Setting| self.chi_squared_near(setting, &runs, &known);
         let mut left = left_by(&setting);
         let mut moved = false;
         for distance in DISTANCES.map(|share| share * breaks) {

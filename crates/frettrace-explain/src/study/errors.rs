@@ -3,7 +3,7 @@
 use super::predicted::By;
 use super::{Fitted, Study};
 use crate::left::LeftLines;
-use frettrace_forward::accelerations::Prediction;
+use frettrace_forward::accelerations::{Memory, Prediction, Setting};
 
 /// Error over noise of a run that repeats after several periods of the excitation from which a model has another motion in it.
 const UNANSWERED: f64 = 10.0;
@@ -55,29 +55,32 @@ impl Study<'_> {
     #[must_use]
     pub fn predictions(&self, fitted: &Fitted, selected: &[usize]) -> Vec<Option<Prediction>> {
         let by = |run: usize| By {
+            run,
             grids: self.model.on_grids(),
             setting: fitted.setting.clone(),
             // Nothing was fitted to such a run, so that there is no solution of it to start from.
             approached: !self.training.contains(&run),
         };
         let mut known: Vec<Option<Option<Prediction>>> =
-            selected.iter().map(|&run| fitted.predicted.of(&by(run), run)).collect();
+            selected.iter().map(|&run| fitted.predicted.of(&by(run))).collect();
         let new: Vec<usize> = (0..known.len()).filter(|&k| known[k].is_none()).collect();
         if !new.is_empty() {
             let runs: Vec<usize> = new.iter().map(|&k| selected[k]).collect();
             for (&k, found) in new.iter().zip(self.predicted(fitted, &runs)) {
-                fitted.predicted.keep(by(selected[k]), selected[k], found.clone());
+                fitted.predicted.keep(by(selected[k]), found.clone());
                 known[k] = Some(found);
             }
         }
-        let completed = |(&run, found): (&usize, Option<Option<Prediction>>)| {
-            let found = found.flatten()?;
-            Some(match &self.support {
-                Some(support) => support.completed(run, &self.model.runs[run], found),
-                None => found,
-            })
-        };
-        selected.iter().zip(known).map(completed).collect()
+        let found = selected.iter().zip(known);
+        found.map(|(&run, found)| found.flatten().map(|found| self.completed(run, found))).collect()
+    }
+
+    /// A prediction with the force of a declared second support where it leaves least.
+    fn completed(&self, run: usize, found: Prediction) -> Prediction {
+        match &self.support {
+            Some(support) => support.completed(run, &self.model.runs[run], found),
+            None => found,
+        }
     }
 
     /// The same of the model alone, from nothing but its memory.
@@ -209,6 +212,20 @@ impl Study<'_> {
 
     /// χ² of the lines of each of some runs; without bound where a model cannot predict one.
     pub(super) fn chi_squared(&self, fitted: &Fitted, runs: &[usize]) -> Vec<f64> {
+        self.chi_squared_of(runs, &self.predictions(fitted, runs))
+    }
+
+    /// The same with other values, from motions near those that they make; without bound where that finds none.
+    pub(super) fn chi_squared_near(&self, setting: &Setting, runs: &[usize], near: &Memory) -> Vec<f64> {
+        let found = self.model.predict_each(setting, runs, &mut near.clone());
+        let Ok(found) = found else { return vec![f64::INFINITY; runs.len()] };
+        let found = runs.iter().zip(found);
+        let found: Vec<Option<Prediction>> =
+            found.map(|(&run, found)| Some(self.completed(run, found.ok()?))).collect();
+        self.chi_squared_of(runs, &found)
+    }
+
+    fn chi_squared_of(&self, runs: &[usize], predictions: &[Option<Prediction>]) -> Vec<f64> {
         let of_run = |(&run, prediction): (&usize, &Option<Prediction>)| {
             let lines = &self.model.runs[run];
             let measured = lines.acceleration.iter().flatten().zip(lines.deviation.iter().flatten());
@@ -217,7 +234,7 @@ impl Study<'_> {
                 pairs.map(|((at, std), predicted)| ((at - predicted) / std).norm_sqr()).sum()
             })
         };
-        runs.iter().zip(&self.predictions(fitted, runs)).map(of_run).collect()
+        runs.iter().zip(predictions).map(of_run).collect()
     }
 
     /// Error of the selected runs together.

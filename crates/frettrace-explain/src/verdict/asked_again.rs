@@ -84,6 +84,7 @@ pub(super) fn answer_from<'a>(
             (found, split) = (other, Split::Second);
         }
     }
+    found = found.sharpened();
     if let Some(name) = found.doubtful() {
         let mut other = case.clone();
         other.without.push(name.to_owned());
@@ -121,8 +122,10 @@ impl<'a> Begun<'a> {
             baseline = better;
         }
         // What a coarse grid bent to the fitted runs misses the others.
-        if baseline.complete() && search.held_out_ratio(&baseline) > CONTRADICTED {
-            baseline = search.sharpened(baseline, LeftLines::is_near_noise, |_, one| one.complete());
+        if baseline.complete() && search.held_out_ratio(&baseline) > most_missed(&baseline) {
+            let yields = !baseline.fitted.setting.rigid;
+            let enough = |left: LeftLines| if yields { left.is_noise() } else { left.is_near_noise() };
+            baseline = search.sharpened(baseline, enough, |_, one| one.complete());
         }
         search.study.silence(&baseline.fitted.setting.law);
         search.before = search.errors_as_read(&baseline);
@@ -270,9 +273,7 @@ impl<'a> Found<'a> {
     /// to and misses those held out.
     fn contradicted(&self) -> bool {
         let declared = self.model.effects.is_empty() || self.search.deviates;
-        // The balance of a rigid contact may be wrong by more than the noise in runs that it was not bent to.
-        let most = if self.model.fitted.setting.rigid { CONTRADICTED } else { FORETOLD };
-        declared && self.model.complete() && self.held_out_ratio() > most
+        declared && self.model.complete() && self.held_out_ratio() > most_missed(&self.model)
     }
 
     /// Whether one set of values of the declared law follows all runs: those it was fitted to did not tell them well enough to foretell
@@ -311,8 +312,37 @@ impl<'a> Found<'a> {
         (left && !self.search.lifts_off && !self.search.other_formula).then(|| ALL[effect].id())
     }
 
+    /// The same with a single name that leaves more than the noise on a finer grid, where that takes it: what a coarse grid leaves is no reason to doubt
+    /// a name. That of a rigid contact has other means.
+    fn sharpened(mut self) -> Self {
+        if self.doubtful().is_some() && self.model.complete() && !self.model.fitted.setting.rigid {
+            self.model = self.search.sharpened_among(self.model, LeftLines::is_noise);
+        }
+        self
+    }
+
+    /// The same on the grid of another search, where that is finer.
+    fn on_grid_of(mut self, other: &Self) -> Self {
+        if self.search.refined < other.search.refined
+            && let Ok(finer) = other.search.study.polished(&self.model)
+            && finer.ratio <= self.model.ratio
+        {
+            let case = self.search.study.case;
+            self.search.study = Study { case, ..other.search.study.clone() };
+            (self.search.refined, self.model) = (other.search.refined, finer);
+        }
+        self
+    }
+
     /// What explains better: `self`, or what was found without its name. The other one is its rival.
     fn against(self, other: Self) -> Self {
+        let (own, other) = (self.on_grid_of(&other), other);
+        let other = other.on_grid_of(&own);
+        own.weighed_against(other)
+    }
+
+    /// The same on one grid.
+    fn weighed_against(self, other: Self) -> Self {
         let weight = |found: &Self| found.search.weight(&found.model);
         let behind = weight(&other) - weight(&self);
         let explains = other.model.effects.len() == 1
@@ -331,6 +361,12 @@ impl<'a> Found<'a> {
         chosen.search.refused.extend(other.search.refused);
         chosen
     }
+}
+
+/// Error over noise of runs held out up to which a complete model foretells them. The balance of a rigid contact may be wrong by more than the noise in
+/// runs that it was not bent to.
+fn most_missed(model: &Explained) -> f64 {
+    if model.fitted.setting.rigid { CONTRADICTED } else { FORETOLD }
 }
 
 /// Runs of which a model's grid may be wrong by more than [`NEAR`] times the noise.

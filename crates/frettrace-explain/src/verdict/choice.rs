@@ -4,6 +4,7 @@ use super::finer::FINER;
 use super::{EVIDENCE, Rival, Search, Tried};
 use crate::Study;
 use crate::effects::{ALL, Reach, Simpler};
+use crate::left::LeftLines;
 use crate::search::{Explained, NEAR};
 use frettrace_forward::accelerations::Quantity;
 use frettrace_friction::effects::Hook;
@@ -12,6 +13,8 @@ use rayon::prelude::*;
 
 /// Excess over the best one's up to which a model that is not fitted to its end may still overtake it.
 const CLOSE: f64 = 4.0;
+/// Models beside a chosen one that are kept, to be asked on a finer grid.
+const RUNNERS_UP: usize = 3;
 /// Share of what was missing (χ²) that a richer effect must take beyond a simpler one that it contains, where both are complete: 0.3 % of the
 /// amplitude, to which neither laboratory's formula nor its rig is known.
 const EARNED: f64 = 1e-5;
@@ -64,7 +67,50 @@ impl Search<'_> {
             .filter(|(one, _)| !self.is_renamed(one, &found[chosen]))
             .filter_map(|(one, weight)| Rival::of(one, weight - weights[chosen]))
             .collect();
-        Some(found.swap_remove(chosen))
+        let chosen = found.swap_remove(chosen);
+        // Each round leaves its own; one that asks for a further name begins anew.
+        self.runners_up.retain(|one| one.effects.len() == chosen.effects.len());
+        self.runners_up.extend(found.into_iter().filter(Explained::complete));
+        self.runners_up.sort_by(by_criterion);
+        self.runners_up.truncate(RUNNERS_UP);
+        Some(chosen)
+    }
+
+    /// A named model on finer grids until its lines hold no more than is `enough`, and those that came nearer to it than the finer grid has brought it, on
+    /// that grid, too: what a coarse grid leaves in each is more than what parts them, and they may change places.
+    pub(super) fn sharpened_among(
+        &mut self,
+        named: Explained,
+        enough: impl Fn(LeftLines) -> bool,
+    ) -> Explained {
+        let (grid, was) = (self.refined, named.criterion);
+        let sharper = self.sharpened(named, enough, |_, one| one.complete());
+        let Some((&name, before)) = sharper.effects.split_last().filter(|_| self.refined > grid) else {
+            return sharper;
+        };
+        let near = |one: &&Explained| {
+            let beside = one.effects.split_last().is_some_and(|(last, rest)| *last != name && rest == before);
+            beside && one.criterion - was < was - sharper.criterion
+        };
+        let near: Vec<&Explained> = self.runners_up.iter().filter(near).collect();
+        let asked = near.into_par_iter().filter_map(|one| self.study.polished(one).ok());
+        let asked = asked.filter(Explained::complete).map(|one| (self.weight(&one), one));
+        let Some((weight, other)) = asked.min_by(|a, b| a.0.total_cmp(&b.0)) else { return sharper };
+        let behind = self.weight(&sharper) - weight;
+        let effect = other.effects[before.len()];
+        self.rivals.retain(|rival| rival.effect != effect);
+        let least = if contained(Some(&name), effect) { -EVIDENCE } else { 0.0 };
+        if behind < least {
+            self.rivals.extend(Rival::of(&other, -behind));
+            return sharper;
+        }
+        // Evidence is that over the model without either, on the grid where all were asked.
+        let of_name = self.tried.iter().find(|tried| tried.id == ALL[name].id()).map(|tried| tried.evidence);
+        if let Some(tried) = self.tried.iter_mut().find(|tried| tried.id == ALL[effect].id()) {
+            tried.evidence = of_name.unwrap_or(tried.evidence) + behind;
+        }
+        self.rivals = Rival::of_one_better_by(behind, (&sharper, std::mem::take(&mut self.rivals)));
+        other
     }
 
     /// What each model costs, the least first. Where several are complete they may differ by little on the runs that they were

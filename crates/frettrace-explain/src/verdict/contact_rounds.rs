@@ -2,7 +2,7 @@
 
 use super::{EVIDENCE, FORETOLD, PROXY, Rival, Search, Tried};
 use crate::contact_fit::Contacts;
-use crate::contact_search::ContactCandidate;
+use crate::contact_search::{ContactCandidate, within_reach};
 use crate::effects::{ALL, EffectPlace};
 use crate::search::{COMPLETE, Explained, excess};
 use crate::study::merge;
@@ -188,8 +188,11 @@ impl Search<'_> {
             }
         }
         let id = ALL[effect].id();
+        let mut nearest = f64::INFINITY;
         for name in names {
-            let forms = self.study.forms_of(&recovered, &bare, &law, name);
+            let mut forms = self.study.forms_of(&recovered, &bare, &law, name);
+            nearest = forms.iter().map(|form| form.criterion).fold(nearest, f64::min);
+            forms.retain(|form| within_reach(form.criterion, nearest));
             let Some(other) = self.that_foretells(baseline, &forms) else { continue };
             if name == effect {
                 self.notes.push(format!(

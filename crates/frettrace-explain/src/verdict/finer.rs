@@ -14,6 +14,9 @@ pub(super) const MOST_TAKEN: f64 = 0.05;
 /// Finer grids, each twice as fine as the one before, that a model may get, and that one with a rigid contact may.
 const MOST_REFINED: usize = 2;
 const MOST_REFINED_RIGID: usize = 3;
+/// Times what its grid may be wrong by that a model misses runs by where nothing of that is the grid's: what a grid is wrong by at values that were bent to
+/// it may be a part of what it is at the right ones.
+const BEYOND_GRID: f64 = 10.0;
 /// Rounds in which the predictions of a rigid contact are corrected to those on a fine grid, each of which may leave a tenth of the error before it.
 const CORRECTIONS: usize = 5;
 /// Steps of a fit that begins anew on a finer grid.
@@ -33,18 +36,22 @@ impl<'a> Search<'a> {
         if current.complete() {
             return self.study.unsettled_contacts(current);
         }
-        current = self.study.unsettled_contacts(self.study.polished_or_as_it_is(current));
+        current = self.study.polished_or_as_it_is(current);
+        // What no contact force takes at all, no finer grid takes, and no deflection of the contact.
+        let outside = current.effects.is_empty() && self.study.share_of_balance(&current) > FINER;
+        if !outside {
+            current = self.study.unsettled_contacts(current);
+        }
         let kinked = is_kinked(&current);
-        let near = kinked || current.ratio <= NEAR || current.excess() <= MOST_TAKEN * lacked;
+        let near = kinked && !self.is_beyond_grid(&current)
+            || current.ratio <= NEAR
+            || current.excess() <= MOST_TAKEN * lacked;
         let most = most_refined(&current);
         // What a finer grid may leave is no reason for another one.
         let told = |search: &Self, current: &Explained| {
             current.complete() || kinked && search.refined > 0 && search.tells_all_it_can(current)
         };
-        // What no contact force takes at all, no finer grid takes.
-        let worth = near
-            && !told(self, &current)
-            && !(current.effects.is_empty() && self.study.share_of_balance(&current) > FINER);
+        let worth = near && !outside && !told(self, &current);
         let mut corrects = current.fitted.setting.rigid;
         while worth && !told(self, &current) {
             if corrects && current.ratio <= NEAR {
@@ -70,6 +77,16 @@ impl<'a> Search<'a> {
             }
         }
         current
+    }
+
+    /// Whether a model far from the data misses every run by far more than its phase grid may be wrong by: no finer one mends that. Where the coarser grid
+    /// has no balance nothing is known.
+    fn is_beyond_grid(&self, model: &Explained) -> bool {
+        let doubts = self.study.grid_doubts(&model.fitted);
+        let beyond = |(run, doubt): (usize, f64)| {
+            self.study.error(&model.fitted, &[run]).ratio() > BEYOND_GRID * doubt.max(NEAR)
+        };
+        !doubts.is_empty() && doubts.into_iter().all(beyond)
     }
 
     /// Goes on with another grid's study and the model fitted there; a declared model of a rigid contact is fitted with the doubt of that grid.

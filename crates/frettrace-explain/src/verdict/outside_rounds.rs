@@ -5,7 +5,7 @@ use super::finer::MOST_TAKEN;
 use super::{BALANCE_CALIBRATED, BALANCE_CLOSED, EVIDENCE, PROXY, Rival, Search, Tried};
 use crate::balance_fit::BalanceCandidate;
 use crate::contact_search::ContactCandidate;
-use crate::effects::{ALL, ContactForm, EffectPlace, StructureForm, few_places, listed};
+use crate::effects::{ALL, ContactForm, EffectPlace, StructureForm, apply, few_places, listed};
 use crate::force_laws::{CUBIC_BELOW, thresholds};
 use crate::search::{Asked, Explained, NEAR};
 use crate::study::merge;
@@ -116,9 +116,12 @@ impl Search<'_> {
         let outside = worthy.par_iter().map(|c| self.asked(current, c));
         let of_contact = self.like_a_structure(current);
         let of_contact = of_contact.par_iter().map(|(effect, form)| {
-            let start = current.fitted.setting.clone();
-            let answer = self.study.with_changes(current, start, (*effect, &form.changes));
-            Asked { effect: *effect, answer }
+            let mut begins = current.fitted.setting.clone();
+            let unknowns = apply(&form.changes, &mut begins.law);
+            self.known.asked(&self.study, current, (*effect, &begins, &unknowns), || {
+                let start = current.fitted.setting.clone();
+                self.study.with_changes(current, start, (*effect, &form.changes))
+            })
         });
         let asked = outside.chain(of_contact).collect();
         let found = self.answered(asked);
@@ -377,7 +380,9 @@ impl Search<'_> {
     }
 
     pub(super) fn asked(&self, current: &Explained, candidate: &BalanceCandidate) -> Asked {
-        Asked { effect: candidate.effect, answer: self.with_structure(current, candidate) }
+        let BalanceCandidate { effect, setting, unknowns, .. } = candidate;
+        let by = (*effect, setting, &unknowns[..]);
+        self.known.asked(&self.study, current, by, || self.with_structure(current, candidate))
     }
 
     /// The whole model with a structure effect: the law anew on contacts recovered with it, then everything.

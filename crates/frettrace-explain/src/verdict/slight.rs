@@ -68,6 +68,10 @@ impl Search<'_> {
         let case = self.study.case.loosened();
         let mut loose = Search::new(Study { case: &case, ..self.study.clone() });
         let begun = loose.baseline(start).ok()?;
+        // What no mode closes is none.
+        if loose.is_open(&begun) {
+            return None;
+        }
         let ended = if begun.complete() { begun } else { loose.restarted(&begun).unwrap_or(begun) };
         let found = self.study.polished(&ended).ok()?;
         (found.criterion + EVIDENCE < declared.criterion).then_some(found)

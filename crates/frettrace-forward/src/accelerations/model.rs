@@ -67,6 +67,12 @@ impl Memory {
         self.runs.get(run).is_some_and(RunMemory::is_begun)
     }
 
+    /// The same solutions without the factors of their balances, which take most of the memory and are soon made again.
+    #[must_use]
+    pub fn without_factors(&self) -> Self {
+        Self { runs: self.runs.iter().map(RunMemory::without_factor).collect() }
+    }
+
     /// The solutions of a setting with `ports` ports, for the same setting with one more that exerts nothing.
     #[must_use]
     pub fn with_idle_port(&self, ports: usize) -> Self {

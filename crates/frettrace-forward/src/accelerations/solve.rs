@@ -36,6 +36,10 @@ impl RunMemory {
         self.factor = None;
     }
 
+    pub(super) fn without_factor(&self) -> Self {
+        Self { unknowns: self.unknowns.clone(), factor: None }
+    }
+
     /// The solution with one more port, after `ports` others and the contact, that exerts nothing.
     pub(super) fn with_idle_port(&self, ports: usize) -> Self {
         let mut unknowns = self.unknowns.clone();
