@@ -8,8 +8,9 @@ use crate::{Study, Unknown};
 use frettrace_forward::accelerations::Setting;
 use frettrace_friction::effects::ModifiedLaw;
 use rayon::prelude::*;
+use std::collections::HashSet;
 
-/// Steps of the fit that every form gets on the recovered contacts from every start of the law, and the starts of a form that get …
+/// Steps of the fit that a form gets on the recovered contacts from a start of the law, and the starts of a form that get …
 const FIRST: usize = 1;
 const STARTS_OF_ONE: usize = 2;
 /// … so many.
@@ -59,9 +60,9 @@ fn at_first(contacts: Contacts, softened: bool) -> Contacts {
 }
 
 impl Study<'_> {
-    /// The best forms on the recovered contacts, best first: a few steps for every form from every law on what is quick to march (the law that
-    /// comes nearest without a form may lead nowhere with it), all steps on everything for the best. The first of these may be on softened
-    /// lines; what all cost at their end is that of the lines as they are.
+    /// The best forms on the recovered contacts, best first: a few steps on what is quick to march for every form from the first law, and for the
+    /// nearest of each formula from the others (the law that comes nearest without a form may lead nowhere with it), all steps on everything for the
+    /// best. The first of these may be on softened lines; what all cost at their end is that of the lines as they are.
     pub(super) fn looked(
         &self,
         (recovered, softened): (&Contacts, bool),
@@ -79,19 +80,35 @@ impl Study<'_> {
         // A bowl leads on for longer than a valley.
         let glance = if softened { BEGIN } else { GLANCE };
         let quick = at_first(recovered.quick(), softened);
-        let begun = |k: usize| -> Vec<(ContactCandidate, usize)> {
+        let from = |(k, law): (usize, &ModifiedLaw<f64>)| {
             let (index, form) = &forms[k];
-            let from = |law: &ModifiedLaw<f64>| {
-                let setting = Setting { law: *law, ..setting.clone() };
-                self.contact_steps(&quick, &setting, law_unknowns, (*index, form), (None, FIRST))
-            };
-            let mut found: Vec<ContactCandidate> = laws.par_iter().filter_map(from).collect();
-            found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
-            found.truncate(STARTS_OF_ONE);
-            found.into_iter().filter_map(|one| further(&quick, &(one, k), glance)).collect()
+            let setting = Setting { law: *law, ..setting.clone() };
+            let found = self.contact_steps(&quick, &setting, law_unknowns, (*index, form), (None, FIRST))?;
+            Some((found, k))
         };
+        let nearest_first = |begun: &mut Vec<(ContactCandidate, usize)>| {
+            begun.sort_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
+        };
+        let [own, others @ ..] = laws else { return Vec::new() };
+        let mut begun: Vec<(ContactCandidate, usize)> =
+            (0..forms.len()).into_par_iter().filter_map(|k| from((k, own))).collect();
+        nearest_first(&mut begun);
+        // From the other laws the form of each formula that comes nearest.
+        let mut formulas = HashSet::new();
+        let of_formula =
+            |&&(_, k): &&(ContactCandidate, usize)| formulas.insert((forms[k].0, forms[k].1.formula()));
+        let nearest: Vec<usize> = begun.iter().filter(of_formula).map(|(_, k)| *k).collect();
+        let pairs: Vec<_> =
+            nearest.into_iter().flat_map(|k| others.iter().map(move |law| (k, law))).collect();
+        begun.extend(pairs.into_par_iter().filter_map(from).collect::<Vec<_>>());
+        nearest_first(&mut begun);
+        let mut starts = vec![0; forms.len()];
+        begun.retain(|&(_, k)| {
+            starts[k] += 1;
+            starts[k] <= STARTS_OF_ONE
+        });
         let glanced: Vec<(ContactCandidate, usize)> =
-            (0..forms.len()).into_par_iter().flat_map_iter(begun).collect();
+            begun.par_iter().filter_map(|one| further(&quick, one, glance)).collect();
         let mut order: Vec<(f64, usize)> =
             glanced.iter().enumerate().map(|(place, (one, _))| (one.criterion, place)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));

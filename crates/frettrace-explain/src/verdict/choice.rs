@@ -104,13 +104,19 @@ impl Search<'_> {
             self.rivals.extend(Rival::of(&other, -behind));
             return sharper;
         }
-        // Evidence is that over the model without either, on the grid where all were asked.
-        let of_name = self.tried.iter().find(|tried| tried.id == ALL[name].id()).map(|tried| tried.evidence);
+        let evidence = self.evidence_of_one_better_by(behind, name);
         if let Some(tried) = self.tried.iter_mut().find(|tried| tried.id == ALL[effect].id()) {
-            tried.evidence = of_name.unwrap_or(tried.evidence) + behind;
+            tried.evidence = evidence.unwrap_or(tried.evidence + behind);
         }
         self.rivals = Rival::of_one_better_by(behind, (&sharper, std::mem::take(&mut self.rivals)));
         other
+    }
+
+    /// Evidence of a name that explains better by so much than one that was asked, as over the model which that one was asked beside, on the grid where
+    /// that was; `None` where it was not asked.
+    pub(super) fn evidence_of_one_better_by(&self, better: f64, than: usize) -> Option<f64> {
+        let known = self.tried.iter().find(|tried| tried.id == ALL[than].id())?;
+        Some(known.evidence + better)
     }
 
     /// What each model costs, the least first. Where several are complete they may differ by little on the runs that they were

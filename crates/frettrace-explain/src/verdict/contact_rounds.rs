@@ -21,7 +21,7 @@ pub(super) struct Recovered {
     /// What is free in that law.
     pub(super) law: Vec<Unknown>,
     /// `χ² + k ln n` that it leaves there, and χ² per residual.
-    plain: f64,
+    pub(super) plain: f64,
     pub(super) reduced: f64,
 }
 

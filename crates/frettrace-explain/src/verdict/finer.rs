@@ -43,9 +43,9 @@ impl<'a> Search<'a> {
             current = self.study.unsettled_contacts(current);
         }
         let kinked = is_kinked(&current);
-        let near = kinked && !self.is_beyond_grid(&current)
-            || current.ratio <= NEAR
-            || current.excess() <= MOST_TAKEN * lacked;
+        let near = current.ratio <= NEAR
+            || current.excess() <= MOST_TAKEN * lacked
+            || kinked && !self.is_beyond_grid(&current);
         let most = most_refined(&current);
         // What a finer grid may leave is no reason for another one.
         let told = |search: &Self, current: &Explained| {
@@ -56,7 +56,7 @@ impl<'a> Search<'a> {
         while worth && !told(self, &current) {
             if corrects && current.ratio <= NEAR {
                 corrects = false;
-                if let Some((study, better)) = on_corrected(&self.study, &current) {
+                if let Some((study, better)) = self.corrected(&current) {
                     return self.moved_to(study, better);
                 }
             }
@@ -87,6 +87,21 @@ impl<'a> Search<'a> {
             self.study.error(&model.fitted, &[run]).ratio() > BEYOND_GRID * doubt.max(NEAR)
         };
         !doubts.is_empty() && doubts.into_iter().all(beyond)
+    }
+
+    /// A model of a rigid contact with its predictions corrected to those on a fine grid ([`on_corrected`]). What a grid cuts short is the contact's, and much the
+    /// same for all models near the data: where the corrections of one that was asked before leave another one what it left, its own, a balance of
+    /// every run on the fine grid, are not asked for.
+    fn corrected(&mut self, current: &Explained) -> Option<(Study<'a>, Explained)> {
+        let grids = self.study.model.on_grids();
+        let known = self.corrections.as_ref().filter(|(of, _)| *of == grids);
+        let leaves = |better: Explained| better.excess() > FINER * current.excess();
+        if known.is_some_and(|(_, known)| known.polished(current).is_ok_and(leaves)) {
+            return None;
+        }
+        let (first, found) = on_corrected(&self.study, current)?;
+        self.corrections = Some((grids, first));
+        found
     }
 
     /// Goes on with another grid's study and the model fitted there; a declared model of a rigid contact is fitted with the doubt of that grid.
@@ -302,18 +317,22 @@ fn doubting(study: &mut Study<'_>, model: &Explained) -> Option<Explained> {
     found
 }
 
-/// A model of a rigid contact with its predictions corrected to those on a fine grid, fitted to them in some rounds; `None` where that is not complete and takes less
-/// than a third of what was left of the fitted runs.
-fn on_corrected<'a>(plain: &Study<'a>, current: &Explained) -> Option<(Study<'a>, Explained)> {
+/// A model of a rigid contact with its predictions corrected to those on a fine grid, fitted to them in some rounds, and the corrections of the first; no such model
+/// where it is not complete and takes less than a third of what was left of the fitted runs.
+fn on_corrected<'a>(
+    plain: &Study<'a>,
+    current: &Explained,
+) -> Option<(Study<'a>, Option<(Study<'a>, Explained)>)> {
     let fine = Arc::new(plain.finest().ok()?);
     let (mut at, mut left) = (current.clone(), f64::INFINITY);
-    let mut best = None;
+    let (mut first, mut best) = (None, None);
     for _ in 0..CORRECTIONS {
-        let study = plain.corrected(&fine, &at.fitted).ok()?;
+        let Ok(study) = plain.corrected(&fine, &at.fitted) else { break };
         // Where the correction was found the error is that on the fine grid itself.
         let now = excess(study.error(&at.fitted, &study.training).ratio());
         let settled = now > AT_REST.sqrt() * left;
-        let better = study.polished(&at).ok()?;
+        let Ok(better) = study.polished(&at) else { break };
+        first.get_or_insert_with(|| study.clone());
         let leaves = better.excess();
         if now < left {
             left = now;
@@ -326,5 +345,6 @@ fn on_corrected<'a>(plain: &Study<'a>, current: &Explained) -> Option<(Study<'a>
             break;
         }
     }
-    best.filter(|(_, better)| better.complete() || left < FINER * current.excess())
+    let kept = |(_, better): &(_, Explained)| better.complete() || left < FINER * current.excess();
+    first.map(|first| (first, best.filter(kept)))
 }

@@ -10,7 +10,7 @@ use frettrace_forward::accelerations::{OnGrids, Setting};
 #[derive(PartialEq)]
 struct By {
     grids: OnGrids,
-    beside: (Setting, Vec<usize>),
+    beside: (Setting, Vec<usize>, Vec<Unknown>),
     begins: (usize, Setting, Vec<Unknown>),
 }
 
@@ -33,7 +33,7 @@ impl Known {
         }
         let by = By {
             grids: study.model.on_grids(),
-            beside: (beside.fitted.setting.clone(), beside.effects.clone()),
+            beside: (beside.fitted.setting.clone(), beside.effects.clone(), beside.added.clone()),
             begins: (effect, setting.clone(), unknowns.to_vec()),
         };
         if let Some(answer) = self.0.of(&by) {

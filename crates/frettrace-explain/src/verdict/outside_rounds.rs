@@ -227,11 +227,10 @@ impl Search<'_> {
         other = self.with_formula(self.study.polished_or_as_it_is(other));
         let behind = other.criterion - model.criterion;
         let error = self.study.error(&other.fitted, &self.study.training).relative();
-        let [id, name] = [&other, &model].map(|one| ALL[one.effects[0]].id());
-        // Evidence is that over the declared model as it was when the contact was asked.
-        let known = self.tried.iter().find(|tried| tried.id == name);
-        let evidence = known.map_or(baseline.criterion - model.criterion, |tried| tried.evidence) - behind;
-        self.tried.push(Tried { id, error, evidence });
+        // That over the declared model as it was when the contact was asked.
+        let evidence = self.evidence_of_one_better_by(-behind, model.effects[0]);
+        let evidence = evidence.unwrap_or(baseline.criterion - other.criterion);
+        self.tried.push(Tried { id: ALL[other.effects[0]].id(), error, evidence });
         if behind + EVIDENCE < 0.0 {
             self.rivals = Rival::of_better(&other, (&model, std::mem::take(&mut self.rivals)));
             return other;

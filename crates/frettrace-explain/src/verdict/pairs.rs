@@ -15,7 +15,7 @@
 use super::contact_rounds::Recovered;
 use super::{BALANCE_CLOSED, EVIDENCE, FORETOLD, Rival, Search, Tried, least_excess};
 use crate::balance_fit::BalanceCandidate;
-use crate::contact_search::ContactCandidate;
+use crate::contact_search::{ContactCandidate, within_reach};
 use crate::effects::ALL;
 use crate::search::{DOMINANT, Explained};
 use crate::{ExplainError, Unknown};
@@ -24,6 +24,9 @@ use rayon::prelude::*;
 
 /// Single effects that a second one is asked beside.
 const FIRSTS: usize = 4;
+/// Share of what the declared law leaves on the recovered contacts that the nearest of two effects in it leaves at most: unless the two nearly undo
+/// each other, the larger one takes the better part. Of two whose traces are `θ` apart it takes `sin² θ/2` at least, a quarter at 60°.
+const MOST_OF_ONE: f64 = 0.75;
 /// Second effects of the contact beside each of them.
 const SECONDS: usize = 2;
 /// Pairs of the balance whose values are free together, …
@@ -173,8 +176,12 @@ impl Search<'_> {
         declared: &Explained,
         (recovered, firsts): (&Recovered, &[ContactCandidate]),
     ) -> Option<Explained> {
-        let Recovered { contacts, setting, .. } = recovered;
-        let most = TAKEN * firsts.first().map_or(0.0, |first| first.criterion);
+        let Recovered { contacts, setting, plain, .. } = recovered;
+        let nearest = firsts.first()?.criterion;
+        if nearest > MOST_OF_ONE * plain {
+            return None;
+        }
+        let most = TAKEN * nearest;
         let worth = |candidate: &ContactCandidate| candidate.meets() || candidate.criterion < most;
         let pair = |first: &ContactCandidate| {
             let with = first.placed_in(setting);
@@ -188,8 +195,8 @@ impl Search<'_> {
             let first = self.with(declared, with, (first.effect, None, &first.unknowns));
             seconds.into_iter().filter(worth).take(SECONDS).map(move |second| (first.clone(), second))
         };
-        let mut pairs: Vec<(Explained, ContactCandidate)> =
-            firsts.iter().take(FIRSTS).flat_map(pair).collect();
+        let firsts = firsts.iter().filter(|first| within_reach(first.criterion, nearest));
+        let mut pairs: Vec<(Explained, ContactCandidate)> = firsts.take(FIRSTS).flat_map(pair).collect();
         pairs.sort_by(|(_, a), (_, b)| a.criterion.total_cmp(&b.criterion));
         let mut seen: Vec<[usize; 2]> = Vec::new();
         pairs.retain(|(with, second)| {
