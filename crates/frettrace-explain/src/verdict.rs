@@ -5,7 +5,7 @@ use crate::search::{Asked, Explained};
 use crate::series_fit::SeriesContact;
 use crate::study::as_declared;
 use crate::{ExplainError, RunError, Study, Unknown};
-use frettrace_forward::accelerations::{OnGrids, Setting};
+use frettrace_forward::accelerations::Setting;
 use frettrace_friction::effects::ModifiedLaw;
 use rayon::prelude::*;
 
@@ -126,8 +126,6 @@ struct Search<'a> {
     lifts_off: bool,
     /// The study before its grid was made finer, and how often it had been, while it is not settled that the finer one stays.
     coarse: Option<(Study<'a>, usize)>,
-    /// Corrections that a model of a rigid contact had to the predictions on these grids, the last one that was asked on a fine grid.
-    corrections: Option<(OnGrids, Study<'a>)>,
     /// The declared law on the contacts recovered with the declared structure.
     recovered_law: Option<ModifiedLaw<f64>>,
     /// Errors of the declared model: training runs, then held-out runs where there are any.
@@ -161,7 +159,6 @@ impl<'a> Search<'a> {
             most_effects: MOST_EFFECTS,
             lifts_off: false,
             coarse: None,
-            corrections: None,
             recovered_law: None,
             before: Vec::new(),
             tried: Vec::new(),

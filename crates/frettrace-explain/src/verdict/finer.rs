@@ -56,7 +56,7 @@ impl<'a> Search<'a> {
         while worth && !told(self, &current) {
             if corrects && current.ratio <= NEAR {
                 corrects = false;
-                if let Some((study, better)) = self.corrected(&current) {
+                if let Some((study, better)) = on_corrected(&self.study, &current) {
                     return self.moved_to(study, better);
                 }
             }
@@ -87,21 +87,6 @@ impl<'a> Search<'a> {
             self.study.error(&model.fitted, &[run]).ratio() > BEYOND_GRID * doubt.max(NEAR)
         };
         !doubts.is_empty() && doubts.into_iter().all(beyond)
-    }
-
-    /// A model of a rigid contact with its predictions corrected to those on a fine grid ([`on_corrected`]). What a grid cuts short is the contact's, and much the
-    /// same for all models near the data: where the corrections of one that was asked before leave another one what it left, its own, a balance of
-    /// every run on the fine grid, are not asked for.
-    fn corrected(&mut self, current: &Explained) -> Option<(Study<'a>, Explained)> {
-        let grids = self.study.model.on_grids();
-        let known = self.corrections.as_ref().filter(|(of, _)| *of == grids);
-        let leaves = |better: Explained| better.excess() > FINER * current.excess();
-        if known.is_some_and(|(_, known)| known.polished(current).is_ok_and(leaves)) {
-            return None;
-        }
-        let (first, found) = on_corrected(&self.study, current)?;
-        self.corrections = Some((grids, first));
-        found
     }
 
     /// Goes on with another grid's study and the model fitted there; a declared model of a rigid contact is fitted with the doubt of that grid.
@@ -317,22 +302,18 @@ fn doubting(study: &mut Study<'_>, model: &Explained) -> Option<Explained> {
     found
 }
 
-/// A model of a rigid contact with its predictions corrected to those on a fine grid, fitted to them in some rounds, and the corrections of the first; no such model
-/// where it is not complete and takes less than a third of what was left of the fitted runs.
-fn on_corrected<'a>(
-    plain: &Study<'a>,
-    current: &Explained,
-) -> Option<(Study<'a>, Option<(Study<'a>, Explained)>)> {
+/// A model of a rigid contact with its predictions corrected to those on a fine grid, fitted to them in some rounds; `None` where that is not complete and takes less
+/// than a third of what was left of the fitted runs.
+fn on_corrected<'a>(plain: &Study<'a>, current: &Explained) -> Option<(Study<'a>, Explained)> {
     let fine = Arc::new(plain.finest().ok()?);
     let (mut at, mut left) = (current.clone(), f64::INFINITY);
-    let (mut first, mut best) = (None, None);
+    let mut best = None;
     for _ in 0..CORRECTIONS {
-        let Ok(study) = plain.corrected(&fine, &at.fitted) else { break };
+        let study = plain.corrected(&fine, &at.fitted).ok()?;
         // Where the correction was found the error is that on the fine grid itself.
         let now = excess(study.error(&at.fitted, &study.training).ratio());
         let settled = now > AT_REST.sqrt() * left;
-        let Ok(better) = study.polished(&at) else { break };
-        first.get_or_insert_with(|| study.clone());
+        let better = study.polished(&at).ok()?;
         let leaves = better.excess();
         if now < left {
             left = now;
@@ -345,6 +326,5 @@ fn on_corrected<'a>(
             break;
         }
     }
-    let kept = |(_, better): &(_, Explained)| better.complete() || left < FINER * current.excess();
-    first.map(|first| (first, best.filter(kept)))
+    best.filter(|(_, better)| better.complete() || left < FINER * current.excess())
 }
