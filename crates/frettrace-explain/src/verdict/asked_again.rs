@@ -4,9 +4,10 @@
 //! among the fitted ones and others are held out. A name may leave little, yet more than the noise: a mechanism that is there
 //! leaves nothing. Then the search is made again without that name, and what explains better stands.
 
+use super::choice::contained;
 use super::outcome::Outcome;
 use super::rules::is_followed;
-use super::{CONTRADICTED, EVIDENCE, FORETOLD, Rival, Search};
+use super::{CONTRADICTED, EVIDENCE, FORETOLD, Rival, Search, least_excess};
 use crate::effects::ALL;
 use crate::left::LeftLines;
 use crate::search::{COMPLETE, Explained, NEAR, excess};
@@ -290,8 +291,13 @@ impl<'a> Found<'a> {
         if self.model.effects.is_empty() {
             return after > OVERTAKEN * self.model.ratio;
         }
+        self.model.complete() && after > CONTRADICTED && !self.is_followed()
+    }
+
+    /// Whether the runs held out do not contradict a name.
+    fn is_followed(&self) -> bool {
         let before = self.search.study.error(&self.baseline.fitted, &self.search.study.held_out).ratio();
-        self.model.complete() && after > CONTRADICTED && !is_followed(before, after)
+        is_followed(before, self.held_out_ratio())
     }
 
     /// Whether runs held out hold more than the noise beside a single name, and a rival of it follows the fitted runs as well; or more than runs do that
@@ -305,11 +311,16 @@ impl<'a> Found<'a> {
         self.model.is_single() && self.search.rivals.iter().any(follows)
     }
 
-    /// The only name of a model that leaves more than the noise. One that every rival leaves ten times as much as is in no doubt.
+    /// The only name of a model that leaves more than the noise. One that every rival leaves ten times as much as is in no doubt, where what it leaves is a
+    /// trace of what was missing; what it contains is no other name for what it takes.
     fn doubtful(&self) -> Option<&'static str> {
         let [effect] = self.model.effects[..] else { return None };
         let left = self.model.ratio > LEFT || self.held_out_ratio() > FORETOLD;
-        (left && !self.search.lifts_off && !self.search.other_formula).then(|| ALL[effect].id())
+        let mut others = self.search.rivals.clone();
+        others.retain(|rival| !contained(Some(&effect), rival.effect));
+        let dominates = || self.model.dominant(&self.baseline, least_excess(&self.model, &others));
+        let stands = self.model.complete() && dominates() && self.is_followed();
+        (left && !stands && !self.search.lifts_off && !self.search.other_formula).then(|| ALL[effect].id())
     }
 
     /// The same with a single name that leaves more than the noise on a finer grid, where that takes it: what a coarse grid leaves is no reason to doubt

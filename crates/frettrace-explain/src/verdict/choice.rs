@@ -36,14 +36,7 @@ impl Search<'_> {
             }
         }
         found.sort_by(by_criterion);
-        for one in &found {
-            let Some(&effect) = one.effects.last() else { continue };
-            let error = self.study.error(&one.fitted, &self.study.training).relative();
-            let evidence = current.criterion - one.criterion;
-            let id = ALL[effect].id();
-            self.tried.retain(|t| t.id != id);
-            self.tried.push(Tried { id, error, evidence });
-        }
+        self.record(current, &found);
         self.settle_simpler(&mut found);
         let (weights, mut found) = self.weighed(found);
         let best = *weights.first()?;
@@ -74,6 +67,31 @@ impl Search<'_> {
         self.runners_up.sort_by(by_criterion);
         self.runners_up.truncate(RUNNERS_UP);
         Some(chosen)
+    }
+
+    /// Writes down what models with one effect more have come to.
+    fn record(&mut self, current: &Explained, found: &[Explained]) {
+        for one in found {
+            let Some(&effect) = one.effects.last() else { continue };
+            let error = self.study.error(&one.fitted, &self.study.training).relative();
+            let evidence = current.criterion - one.criterion;
+            let id = ALL[effect].id();
+            self.tried.retain(|t| t.id != id);
+            self.tried.push(Tried { id, error, evidence });
+        }
+    }
+
+    /// Those of some models that may come to explain all: where the nearest one is far from the data with the structure free too, it alone. The balance has
+    /// calibrated the structure before, and what it does not take of the nearest one it does not take of those behind.
+    pub(super) fn hopeful(&mut self, current: &Explained, mut found: Vec<Explained>) -> Vec<Explained> {
+        found.sort_by(|a, b| a.excess().total_cmp(&b.excess()));
+        let Some(nearest) = found.first_mut().filter(|nearest| nearest.ratio > NEAR) else { return found };
+        *nearest = self.study.polished_or_as_it_is(nearest.clone());
+        if nearest.ratio > NEAR {
+            self.record(current, &found[1..]);
+            found.truncate(1);
+        }
+        found
     }
 
     /// A named model on finer grids until its lines hold no more than is `enough`, and those that came nearer to it than the finer grid has brought it, on

@@ -8,6 +8,8 @@ use crate::search::{COMPLETE, Explained, excess};
 use crate::study::merge;
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::Setting;
+use frettrace_friction::effects::ModifiedLaw;
+use std::sync::Arc;
 
 /// χ² per residual on the recovered contacts from which no whole model with a law may leave a trace: ten times what the method
 /// leaves of the right one at the lowest noise.
@@ -71,13 +73,21 @@ impl Search<'_> {
     }
 
     /// The contacts recovered with the structure of a model as it was declared, and its law on them.
-    pub(super) fn recovered(&self, current: &Explained) -> Result<Recovered, ExplainError> {
+    pub(super) fn recovered(&self, current: &Explained) -> Result<Arc<Recovered>, ExplainError> {
+        // A fit of the whole rig that lacks an effect may have driven the law away from what the contact shows.
+        let other = self.recovered_law.filter(|_| current.effects.is_empty());
+        self.known.recovered(&self.study, (current, other), || self.recovered_with(current, other))
+    }
+
+    fn recovered_with(
+        &self,
+        current: &Explained,
+        other: Option<ModifiedLaw<f64>>,
+    ) -> Result<Recovered, ExplainError> {
         let unknowns = merge(&self.study.case.unknowns(), &current.added);
         let (law, _) = Unknown::parted(&unknowns);
         let mut setting = self.unbent(current);
         let contacts = self.study.recovered(&setting)?;
-        // A fit of the whole rig that lacks an effect may have driven the law away from what the contact shows.
-        let other = self.recovered_law.filter(|_| current.effects.is_empty());
         let base = [Some(setting.law), other]
             .into_iter()
             .flatten()
@@ -93,6 +103,21 @@ impl Search<'_> {
         Ok(Recovered { contacts, setting, law, plain, reduced })
     }
 
+    /// Every effect of the contact on the contacts that were recovered with a model, beside its own.
+    pub(super) fn candidates_on(
+        &self,
+        recovered: &Arc<Recovered>,
+        softened: bool,
+        current: &Explained,
+    ) -> Vec<ContactCandidate> {
+        let Recovered { contacts, setting, law, reduced, .. } = &**recovered;
+        let by = (softened, &current.effects[..], &self.study.case.without[..]);
+        self.known.candidates(recovered, by, || {
+            let taken = (&current.effects[..], *reduced);
+            self.study.contact_candidates((contacts, softened), setting, law, taken)
+        })
+    }
+
     /// The best effect of the contact with the whole model, and all that were fitted. The search may begin on softened lines, where the
     /// law misses even those.
     fn contact_round(
@@ -100,12 +125,12 @@ impl Search<'_> {
         current: &Explained,
         softened: bool,
     ) -> Result<Option<(Explained, Vec<Explained>)>, ExplainError> {
-        let Recovered { contacts: recovered, setting, law, plain, reduced } = self.recovered(current)?;
-        if softened && !self.study.is_far(&recovered, &setting, &law) {
+        let recovered = self.recovered(current)?;
+        let Recovered { contacts, setting, law, plain, .. } = &*recovered;
+        if softened && !self.study.is_far(contacts, setting, law) {
             return Ok(None);
         }
-        let taken = (&current.effects[..], reduced);
-        let mut candidates = self.study.contact_candidates((&recovered, softened), &setting, &law, taken);
+        let mut candidates = self.candidates_on(&recovered, softened, current);
         self.tried.extend(candidates.iter().map(|c| Tried {
             id: ALL[c.effect].id(),
             error: f64::NAN,

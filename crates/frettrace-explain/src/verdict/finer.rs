@@ -312,7 +312,7 @@ fn on_corrected<'a>(plain: &Study<'a>, current: &Explained) -> Option<(Study<'a>
         let study = plain.corrected(&fine, &at.fitted).ok()?;
         // Where the correction was found the error is that on the fine grid itself.
         let now = excess(study.error(&at.fitted, &study.training).ratio());
-        let settled = now > AT_REST.sqrt() * left;
+        let settled = now >= AT_REST.sqrt() * left || now == 0.0;
         let better = study.polished(&at).ok()?;
         let leaves = better.excess();
         if now < left {

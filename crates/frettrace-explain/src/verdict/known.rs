@@ -1,10 +1,14 @@
-//! Whole models that were asked already: a search that is made again without a name asks what lies outside the contact from the same declared
-//! model.
+//! What was asked already: a search that is made again without a name asks what lies outside the contact from the same declared model, and of the contact
+//! on the same recovered contacts, as one that looks for a pair does.
 
+use super::contact_rounds::Recovered;
+use crate::contact_search::ContactCandidate;
 use crate::kept::Kept;
 use crate::search::{Asked, Explained};
 use crate::{ExplainError, Study, Unknown};
 use frettrace_forward::accelerations::{OnGrids, Setting};
+use frettrace_friction::effects::ModifiedLaw;
+use std::sync::Arc;
 
 /// What the answer to an effect is told by: the grids of the study, which belong to its split too, the model that it is asked beside, and where it begins.
 #[derive(PartialEq)]
@@ -14,9 +18,41 @@ struct By {
     begins: (usize, Setting, Vec<Unknown>),
 }
 
+/// What recovered contacts are told by: the model that they were recovered with, and another law that its own is compared with there.
+#[derive(PartialEq)]
+struct With {
+    grids: OnGrids,
+    setting: Setting,
+    effects: Vec<usize>,
+    added: Vec<Unknown>,
+    other: Option<ModifiedLaw<f64>>,
+}
+
+/// What the effects of the contact on recovered contacts are told by: those themselves, whether the search began on softened lines, the effects that are
+/// taken, and the names that are left out.
+struct On {
+    recovered: Arc<Recovered>,
+    softened: bool,
+    taken: Vec<usize>,
+    without: Vec<String>,
+}
+
+impl PartialEq for On {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.recovered, &other.recovered)
+            && self.softened == other.softened
+            && self.taken == other.taken
+            && self.without == other.without
+    }
+}
+
 /// Known answers. Copies share them.
 #[derive(Clone, Default)]
-pub(super) struct Known(Kept<By, Result<Explained, ExplainError>>);
+pub(super) struct Known {
+    models: Kept<By, Result<Explained, ExplainError>>,
+    recovered: Kept<With, Arc<Recovered>>,
+    candidates: Kept<On, Arc<Vec<ContactCandidate>>>,
+}
 
 impl Known {
     /// The answer to an effect that is asked beside a model from a setting with some unknowns, asked if it is not known. A rigid contact's deviations are
@@ -36,7 +72,7 @@ impl Known {
             beside: (beside.fitted.setting.clone(), beside.effects.clone(), beside.added.clone()),
             begins: (effect, setting.clone(), unknowns.to_vec()),
         };
-        if let Some(answer) = self.0.of(&by) {
+        if let Some(answer) = self.models.of(&by) {
             return Asked { effect, answer };
         }
         let answer = ask();
@@ -44,7 +80,47 @@ impl Known {
         if let Ok(model) = &mut kept {
             model.fitted.memory = model.fitted.memory.without_factors();
         }
-        self.0.keep(by, kept);
+        self.models.keep(by, kept);
         Asked { effect, answer }
+    }
+
+    /// The contacts that are recovered with a model, recovered if they are not known. Those of a rigid contact count by deviations that its grids doubt.
+    pub(super) fn recovered(
+        &self,
+        study: &Study<'_>,
+        (model, other): (&Explained, Option<ModifiedLaw<f64>>),
+        recover: impl FnOnce() -> Result<Recovered, ExplainError>,
+    ) -> Result<Arc<Recovered>, ExplainError> {
+        let Setting { rigid, .. } = model.fitted.setting;
+        let by = With {
+            grids: study.model.on_grids(),
+            setting: model.fitted.setting.clone(),
+            effects: model.effects.clone(),
+            added: model.added.clone(),
+            other,
+        };
+        if let Some(known) = self.recovered.of(&by).filter(|_| !rigid) {
+            return Ok(known);
+        }
+        let found = Arc::new(recover()?);
+        self.recovered.keep(by, found.clone());
+        Ok(found)
+    }
+
+    /// The effects of the contact on recovered contacts, asked if they are not known.
+    pub(super) fn candidates(
+        &self,
+        recovered: &Arc<Recovered>,
+        (softened, taken, without): (bool, &[usize], &[String]),
+        ask: impl FnOnce() -> Vec<ContactCandidate>,
+    ) -> Vec<ContactCandidate> {
+        let by =
+            On { recovered: recovered.clone(), softened, taken: taken.to_vec(), without: without.to_vec() };
+        if let Some(known) = self.candidates.of(&by) {
+            return known.to_vec();
+        }
+        let found = ask();
+        self.candidates.keep(by, Arc::new(found.clone()));
+        found
     }
 }

@@ -4,7 +4,7 @@ use super::asked_again::LEFT;
 use super::finer::MOST_TAKEN;
 use super::{BALANCE_CALIBRATED, BALANCE_CLOSED, EVIDENCE, PROXY, Rival, Search, Tried};
 use crate::balance_fit::BalanceCandidate;
-use crate::contact_search::ContactCandidate;
+use crate::contact_search::{ContactCandidate, POOR};
 use crate::effects::{ALL, ContactForm, EffectPlace, StructureForm, apply, few_places, listed};
 use crate::force_laws::{CUBIC_BELOW, thresholds};
 use crate::search::{Asked, Explained, NEAR};
@@ -78,7 +78,9 @@ impl Search<'_> {
             return Ok(contact);
         }
         let rivals = std::mem::take(&mut self.rivals);
-        let found = self.hidden(current).map(|found| self.with_formula(found));
+        let found = self.in_hiding(current);
+        let found = self.hopeful(current, found);
+        let found = self.take_best(current, found).map(|found| self.with_formula(found));
         let found = found.map(|found| self.further(found, current.excess()));
         // A force that the balance does not show must leave nothing else to be explained.
         let ahead = |found: &Explained| {
@@ -103,6 +105,12 @@ impl Search<'_> {
     /// The best effect outside the contact of those whose tangents promise enough, and of those of the contact that may hide in the structure, with the
     /// whole model.
     pub(super) fn hidden(&mut self, current: &Explained) -> Option<Explained> {
+        let found = self.in_hiding(current);
+        self.take_best(current, found)
+    }
+
+    /// All of these.
+    fn in_hiding(&mut self, current: &Explained) -> Vec<Explained> {
         let study = self.coarse.as_ref().map_or(&self.study, |(study, _)| study);
         let candidates = study.tangent_candidates(current);
         let plain = current.criterion;
@@ -124,12 +132,18 @@ impl Search<'_> {
             })
         });
         let asked = outside.chain(of_contact).collect();
-        let found = self.answered(asked);
-        self.take_best(current, found)
+        self.answered(asked)
     }
 
-    /// Forms of the effects of the contact that may hide in the structure, of those that no whole model was asked with yet.
+    /// Forms of the effects of the contact that may hide in the structure, of those that no whole model was asked with yet. None does where no contact force
+    /// closes the balance, nor where the law misses the recovered contacts, which were recovered with what the structure leaves open: these show then what
+    /// is missing. Those of a rigid contact do not tell.
     fn like_a_structure(&self, current: &Explained) -> Vec<(usize, ContactForm)> {
+        let setting = &current.fitted.setting;
+        let shown = || !setting.rigid && self.recovered(current).is_ok_and(|on| on.reduced > POOR);
+        if !self.closed(setting) || shown() {
+            return Vec::new();
+        }
         let is_new = |effect: &usize| {
             let id = ALL[*effect].id();
             let known = self.tried.iter().any(|tried| tried.id == id && tried.error.is_finite());
@@ -137,7 +151,7 @@ impl Search<'_> {
         };
         let effects = LIKE_A_STRUCTURE.iter().filter_map(|id| listed(id)).filter(is_new);
         let forms = |effect: usize| {
-            let forms = ALL[effect].contact_forms(&current.fitted.setting.law, &self.study.scales);
+            let forms = ALL[effect].contact_forms(&setting.law, &self.study.scales);
             forms.into_iter().map(move |form| (effect, form))
         };
         effects.flat_map(forms).collect()

@@ -72,9 +72,8 @@ impl Search<'_> {
             return Ok(None);
         }
         let recovered = self.recovered(declared)?;
-        let Recovered { contacts, setting, law, reduced, .. } = &recovered;
-        let singles = self.study.contact_candidates((contacts, false), setting, law, (&[], *reduced));
-        let known = (&recovered, &singles[..]);
+        let singles = self.candidates_on(&recovered, false, declared);
+        let known = (&*recovered, &singles[..]);
         if !stands
             && let Some(found) = self.or_as_before(|search| Ok(search.in_the_contact(declared, known)))?
         {

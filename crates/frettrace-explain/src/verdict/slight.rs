@@ -67,11 +67,11 @@ impl Search<'_> {
         strained(declared).next()?;
         let case = self.study.case.loosened();
         let mut loose = Search::new(Study { case: &case, ..self.study.clone() });
-        let begun = loose.baseline(start).ok()?;
         // What no mode closes is none.
-        if loose.is_open(&begun) {
+        if loose.is_open(declared) {
             return None;
         }
+        let begun = loose.baseline(start).ok()?;
         let ended = if begun.complete() { begun } else { loose.restarted(&begun).unwrap_or(begun) };
         let found = self.study.polished(&ended).ok()?;
         (found.criterion + EVIDENCE < declared.criterion).then_some(found)

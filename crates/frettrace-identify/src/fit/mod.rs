@@ -48,6 +48,11 @@ impl FitSettings {
     pub fn mask(&self, count: usize) -> Vec<bool> {
         (0..count).map(|j| self.free.get(j).copied().unwrap_or(self.free.is_empty())).collect()
     }
+
+    /// What a step from some χ² must promise, or the fit has converged.
+    fn enough(&self, cost: f64) -> f64 {
+        self.absolute_tolerance.max(self.relative_tolerance * cost)
+    }
 }
 
 /// Outcome of a minimisation.
@@ -85,7 +90,9 @@ pub struct Fit {
 ///
 /// Each step solves `min ‖J δ + r‖² + λ‖D δ‖²` by QR in the coordinates of the parameters' transforms, with parameters
 /// on a bound held while the gradient presses them against it; λ follows the gain ratio (Nielsen's rule). A step
-/// where the model has no solution is refused like one that does not reduce χ².
+/// where the model has no solution is refused like one that does not reduce χ². Where a few steps in a row deliver next
+/// to nothing of what they promise, and next to nothing of what a fit ends by, it has stalled: a kink, or the accuracy
+/// of the model itself.
 ///
 /// # Errors
 /// [`IdentifyError`] where the start does not suit the model or the model has no solution there.
@@ -108,6 +115,7 @@ pub fn fit_with_memory<M: Model>(
     let mut iterations = 0;
     let mut damping = Damping { factor: 1e-3, growth: 2.0 };
     let mut fresh = true;
+    let mut crawled = 0;
     let status = loop {
         if iterations >= settings.max_iterations {
             break Status::IterationLimit;
@@ -116,9 +124,15 @@ pub fn fit_with_memory<M: Model>(
         let Some(linearised) = linearised else { break Status::Stalled };
         let attempts = if fresh { ATTEMPTS } else { 1 };
         let before = damping;
+        let cost = state.cost;
         match improve(&mut state, &linearised, (&mut damping, settings, attempts)) {
             Step::Taken { gain } => {
                 iterations += 1;
+                let crawls = fresh && gain < CRAWL && cost - state.cost < CRAWL * settings.enough(cost);
+                crawled = if crawls { crawled + 1 } else { 0 };
+                if crawled == CRAWLED {
+                    break Status::Stalled;
+                }
                 fresh = !settings.secant || !(DELIVERED..=1.0 / DELIVERED).contains(&gain);
             }
             // Only a Jacobian of this place may end the fit.
@@ -136,6 +150,9 @@ pub fn fit_with_memory<M: Model>(
 
 /// Steps tried on one linearisation: 60 doublings and more of λ, no shorter step is different from none.
 const ATTEMPTS: usize = 25;
+/// Share of what a step promises, and of what a fit ends by, below which it crawls, and such steps in a row that end a fit.
+const CRAWL: f64 = 0.1;
+const CRAWLED: usize = 3;
 /// A step whose gain is this share of what was promised, or more, keeps the Jacobian that promised it.
 const DELIVERED: f64 = 0.5;
 
@@ -162,7 +179,7 @@ fn improve<M: Model>(
 ) -> Step {
     for _ in 0..attempts {
         let (step, promised) = linearised.step(damping.factor);
-        let enough = settings.absolute_tolerance.max(settings.relative_tolerance * state.cost);
+        let enough = settings.enough(state.cost);
         // A step cut short by heavy damping promises little: only an almost undamped one may end the fit.
         if promised <= enough && (damping.factor <= 1.0 || promised <= 1e-3 * enough) {
             return Step::Over(if damping.factor <= 1e3 { Status::Converged } else { Status::Stalled });

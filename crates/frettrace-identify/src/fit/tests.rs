@@ -123,6 +123,19 @@ fn rosenbrock_valley_is_walked_to_its_end() {
     assert!((fit.values[0] - 1.0).abs() < 1e-9 && (fit.values[1] - 1.0).abs() < 1e-9, "{:?}", fit.values);
 }
 
+/// `r = (1000, x)` whose slope is said to be 100: a step is a hundredth of the way, and promises all of `x²` where it delivers `1 − 0.99²` of it. From 20 it
+/// promises 400 of the `3e-4 · 10⁶ = 300` that a fit ends by and delivers 8, less than a tenth of either: three such steps, and no fourth.
+/// They end at `20 · 0.99³` but for what λ holds back, which grows from 1e-3 by 1.9 with each: 0.0064 of a step of 0.2.
+#[test]
+fn steps_that_crawl_end_a_fit() {
+    let pair = Pair { residual: |[x, _]| [1000.0, x], slopes: |_| [0.0, 0.0, 100.0, 0.0], ..valley(50.0) };
+    let settings =
+        FitSettings { free: vec![true, false], relative_tolerance: 3e-4, ..FitSettings::default() };
+    let fit = fit(&pair, &[20.0, 1.0], &settings).unwrap();
+    assert_eq!((fit.status, fit.iterations), (Status::Stalled, 3));
+    assert!((fit.values[0] - 20.0 * 0.99_f64.powi(3)).abs() < 2e-3, "{}", fit.values[0]);
+}
+
 /// A decay that counts how often its derivatives are asked for.
 struct Counted(Decay, std::sync::atomic::AtomicUsize);
 
