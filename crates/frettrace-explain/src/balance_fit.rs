@@ -10,6 +10,7 @@ use frettrace_forward::accelerations::{AccelerationModel, Balance, Beside, Quant
 use frettrace_identify::{FitSettings, Model, NoSolution, Parameter, fit};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::cmp::Ordering;
 
 /// Balance of selected runs with some quantities free.
 pub(crate) struct BalanceProblem<'a> {
@@ -35,6 +36,11 @@ pub(crate) struct BalanceCandidate {
 }
 
 impl BalanceCandidate {
+    /// The order of two by what they cost, the nearer one first.
+    pub(crate) fn by_criterion(&self, other: &Self) -> Ordering {
+        self.criterion.total_cmp(&other.criterion)
+    }
+
     /// A form of an effect that no balance was fitted with, for the whole model to be asked with it.
     pub fn unfitted(effect: usize, form: StructureForm, criterion: f64) -> Self {
         let StructureForm { setting, unknowns, sensor } = form;
@@ -306,7 +312,7 @@ impl Study<'_> {
                 self.balance_fit(own.effect, &again, &merge(&base, &form.unknowns), 6)
             })
             .collect();
-        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        found.sort_by(BalanceCandidate::by_criterion);
         let mut best: Vec<BalanceCandidate> = Vec::new();
         for candidate in found {
             if !best.iter().any(|b| b.kind() == candidate.kind()) {

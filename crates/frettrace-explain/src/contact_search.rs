@@ -13,6 +13,7 @@ use frettrace_forward::accelerations::{
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 use frettrace_identify::{Model, Status};
 use rayon::prelude::*;
+use std::cmp::Ordering;
 use std::collections::HashSet;
 use std::sync::Arc;
 
@@ -51,6 +52,11 @@ pub(crate) struct ContactCandidate {
 }
 
 impl ContactCandidate {
+    /// The order of two by what they cost, the nearer one first.
+    pub fn by_criterion(&self, other: &Self) -> Ordering {
+        self.criterion.total_cmp(&other.criterion)
+    }
+
     /// Whether its law is one that the contact may have.
     pub fn meets(&self) -> bool {
         self.reduced < POOR
@@ -303,7 +309,7 @@ impl Study<'_> {
             Some(self.contact_shape(recovered, bare, &plain).unwrap_or(plain))
         });
         let mut found: Vec<ContactCandidate> = fitted.collect();
-        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        found.sort_by(ContactCandidate::by_criterion);
         found
     }
 
@@ -336,7 +342,7 @@ impl Study<'_> {
             Vec::new()
         };
         let mut found: Vec<ContactCandidate> = looked.into_iter().map(|(c, _)| c).chain(again).collect();
-        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        found.sort_by(ContactCandidate::by_criterion);
         // Where none meets the contacts the nearest may be near with another laboratory's formula.
         if found.first().is_some_and(|first| !first.meets()) {
             let mut nearest: Vec<&ContactCandidate> = Vec::new();
@@ -348,7 +354,7 @@ impl Study<'_> {
             let shaped = nearest.par_iter().filter_map(|c| self.contact_shape(recovered, setting, c));
             let shaped: Vec<ContactCandidate> = shaped.collect();
             found.extend(shaped);
-            found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+            found.sort_by(ContactCandidate::by_criterion);
         }
         let mut best: Vec<ContactCandidate> = Vec::new();
         for candidate in found {

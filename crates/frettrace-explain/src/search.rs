@@ -8,6 +8,7 @@ use crate::{ExplainError, Fitted, Study, Unknown};
 use frettrace_forward::accelerations::{Memory, Port, PortLaw, PortPlace, Quantity, Setting};
 use frettrace_identify::{Fit, Status};
 use rayon::prelude::*;
+use std::cmp::Ordering;
 
 /// Effects re-fitted with the whole model in each round, …
 const BEST: usize = 3;
@@ -80,6 +81,11 @@ pub(crate) struct Asked {
 }
 
 impl Explained {
+    /// The order of two by what they cost, the nearer one first.
+    pub(crate) fn by_criterion(&self, other: &Self) -> Ordering {
+        self.criterion.total_cmp(&other.criterion)
+    }
+
     /// Standard deviation of a quantity from the curvature at the fit; NaN where it was not free.
     #[must_use]
     pub fn deviation(&self, quantity: Quantity) -> f64 {

@@ -59,7 +59,7 @@ impl Study<'_> {
         let forces = places.flat_map_iter(|place| self.forces(current, place, &known));
         let steady = STEADY.par_iter().flat_map_iter(|id| self.changes(current, id, &known));
         let mut found: Vec<BalanceCandidate> = forces.chain(steady).collect();
-        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        found.sort_by(BalanceCandidate::by_criterion);
         let (mut seen, mut effects) = (Vec::new(), Vec::new());
         found.retain(|candidate| {
             let new = !seen.contains(&candidate.kind());

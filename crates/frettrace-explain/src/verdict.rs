@@ -445,7 +445,7 @@ impl Search<'_> {
     fn pruned(&self, current: Explained) -> Explained {
         let shorter = (0..current.effects.len()).filter_map(|place| self.study.without(&current, place));
         let complete = shorter.filter(Explained::complete);
-        complete.min_by(|a, b| a.criterion.total_cmp(&b.criterion)).unwrap_or(current)
+        complete.min_by(Explained::by_criterion).unwrap_or(current)
     }
 }
 

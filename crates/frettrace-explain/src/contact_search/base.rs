@@ -109,10 +109,10 @@ impl Study<'_> {
             self.contact_steps(&recovered, setting, law_unknowns, form, (Some(begun), ALL_STEPS))
         };
         let mut begun: Vec<ContactCandidate> = starts.into_par_iter().filter_map(begin).collect();
-        begun.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        begun.sort_by(ContactCandidate::by_criterion);
         begun.truncate(ENDED);
         let ended: Vec<ContactCandidate> = begun.par_iter().filter_map(end).collect();
-        ended.into_iter().chain([first]).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
+        ended.into_iter().chain([first]).min_by(ContactCandidate::by_criterion)
     }
 
     /// The law of a setting, fitted already, on the recovered contacts again for each of some static frictions below its own: a

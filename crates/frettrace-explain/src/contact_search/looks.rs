@@ -86,13 +86,10 @@ impl Study<'_> {
             let found = self.contact_steps(&quick, &setting, law_unknowns, (*index, form), (None, FIRST))?;
             Some((found, k))
         };
-        let nearest_first = |begun: &mut Vec<(ContactCandidate, usize)>| {
-            begun.sort_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
-        };
         let [own, others @ ..] = laws else { return Vec::new() };
         let mut begun: Vec<(ContactCandidate, usize)> =
             (0..forms.len()).into_par_iter().filter_map(|k| from((k, own))).collect();
-        nearest_first(&mut begun);
+        begun.sort_by(|a, b| a.0.by_criterion(&b.0));
         // From the other laws the form of each formula that comes nearest.
         let mut formulas = HashSet::new();
         let of_formula =
@@ -101,7 +98,7 @@ impl Study<'_> {
         let pairs: Vec<_> =
             nearest.into_iter().flat_map(|k| others.iter().map(move |law| (k, law))).collect();
         begun.extend(pairs.into_par_iter().filter_map(from).collect::<Vec<_>>());
-        nearest_first(&mut begun);
+        begun.sort_by(|a, b| a.0.by_criterion(&b.0));
         let mut starts = vec![0; forms.len()];
         begun.retain(|&(_, k)| {
             starts[k] += 1;
@@ -134,7 +131,7 @@ impl Study<'_> {
             }
         };
         let mut looked: Vec<(ContactCandidate, usize)> = part.into_par_iter().map(end).collect();
-        looked.sort_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
+        looked.sort_by(|a, b| a.0.by_criterion(&b.0));
         looked
     }
 
@@ -164,7 +161,7 @@ impl Study<'_> {
             .flat_map(|(_, k)| others.par_iter().map(|law| (*k, *law)))
             .filter_map(|(k, law)| Some((steps(&quick, k, law, (None, BEGIN))?, k)))
             .collect();
-        begun.sort_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
+        begun.sort_by(|a, b| a.0.by_criterion(&b.0));
         let ended = |(one, k): &(ContactCandidate, usize)| {
             let recovered = recovered.around(&one.law, one.modulation);
             steps(&recovered, *k, one.law, (Some(one), ALL_STEPS))

@@ -84,7 +84,7 @@ impl Study<'_> {
             .par_iter()
             .flat_map_iter(|place| self.force_laws(&setting, place))
             .collect();
-        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        found.sort_by(BalanceCandidate::by_criterion);
         found
     }
 

@@ -52,7 +52,7 @@ impl Search<'_> {
                 others.push(self.held(&setting));
             }
             let others: Vec<Explained> = others.into_par_iter().filter_map(begun).collect();
-            slid.into_iter().chain(others).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
+            slid.into_iter().chain(others).min_by(Explained::by_criterion)
         } else {
             // Where a stiff contact has no steady answer from a cold start, a softer one leads to it.
             SOFTER.into_iter().find_map(|share| {

@@ -23,10 +23,9 @@ impl Search<'_> {
     /// Records what was tried and keeps the best.
     pub(super) fn take_best(&mut self, current: &Explained, mut found: Vec<Explained>) -> Option<Explained> {
         found.iter_mut().for_each(|one| one.book(current));
-        let by_criterion = |a: &Explained, b: &Explained| a.criterion.total_cmp(&b.criterion);
-        found.sort_by(by_criterion);
+        found.sort_by(Explained::by_criterion);
         self.settle_close(&mut found);
-        found.sort_by(by_criterion);
+        found.sort_by(Explained::by_criterion);
         for one in self.simplified(current, &found) {
             let same = found.iter().position(|other| other.effects == one.effects);
             match same.map(|place| &mut found[place]) {
@@ -35,7 +34,7 @@ impl Search<'_> {
                 None => found.push(one),
             }
         }
-        found.sort_by(by_criterion);
+        found.sort_by(Explained::by_criterion);
         self.record(current, &found);
         self.settle_simpler(&mut found);
         let (weights, mut found) = self.weighed(found);
@@ -64,7 +63,7 @@ impl Search<'_> {
         // Each round leaves its own; one that asks for a further name begins anew.
         self.runners_up.retain(|one| one.effects.len() == chosen.effects.len());
         self.runners_up.extend(found.into_iter().filter(Explained::complete));
-        self.runners_up.sort_by(by_criterion);
+        self.runners_up.sort_by(Explained::by_criterion);
         self.runners_up.truncate(RUNNERS_UP);
         Some(chosen)
     }

@@ -94,7 +94,7 @@ impl Search<'_> {
             .filter_map(|start| {
                 self.study.contact_base(&contacts, &Setting { law: start, ..setting.clone() }, &law)
             })
-            .min_by(|a, b| a.criterion.total_cmp(&b.criterion));
+            .min_by(ContactCandidate::by_criterion);
         let [plain, reduced] =
             base.as_ref().map_or([f64::INFINITY; 2], |base| [base.criterion, base.reduced]);
         if let Some(base) = &base {
@@ -142,7 +142,7 @@ impl Search<'_> {
         }
         let asked = self.study.contact_round(current, &candidates);
         let mut found = self.answered(asked);
-        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        found.sort_by(Explained::by_criterion);
         Ok(self.take_best(current, found.clone()).map(|best| (best, found)))
     }
 
@@ -176,7 +176,7 @@ impl Search<'_> {
         let (own, _) = Unknown::parted(model.own(model.effects.len() - 1));
         let forms = self.study.better_forms(&recovered, &setting, &law, (effect, &own));
         let asked = self.study.contact_round(from, &forms);
-        let better = self.answered(asked).into_iter().min_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        let better = self.answered(asked).into_iter().min_by(Explained::by_criterion);
         match better.filter(|better| better.criterion + EVIDENCE < model.criterion) {
             Some(better) => {
                 let better = self.further(better, lacked);
@@ -269,7 +269,7 @@ impl Search<'_> {
             let other = search.reformed(current, other, lacked);
             other.complete().then_some((search, other))
         });
-        let Some((search, found)) = shaped.min_by(|a, b| a.1.criterion.total_cmp(&b.1.criterion)) else {
+        let Some((search, found)) = shaped.min_by(|a, b| a.1.by_criterion(&b.1)) else {
             return Ok(Some(best));
         };
         *self = search;

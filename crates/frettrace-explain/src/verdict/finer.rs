@@ -154,7 +154,7 @@ impl<'a> Search<'a> {
         let follows =
             |one: &Explained| one.left().is_near_noise() && (one.complete() || self.traces_a_curve(one));
         let plain = reduced.into_iter().chain(declared).filter(follows);
-        let plain = plain.min_by(|a, b| a.criterion.total_cmp(&b.criterion))?;
+        let plain = plain.min_by(Explained::by_criterion)?;
         let id = ALL[model.effects[last]].id();
         self.notes
             .push(format!("{id} is what a coarser phase grid left: on a finer one nothing asks for it"));
@@ -265,9 +265,8 @@ fn on_finer(study: &Study<'_>, current: &Explained) -> Option<Explained> {
         return best;
     }
     // From the recovered forces a rigid contact may come to another motion than the one that it had on the coarser grid.
-    let lesser = |a: Option<Explained>, b: Option<Explained>| {
-        a.into_iter().chain(b).min_by(|a, b| a.criterion.total_cmp(&b.criterion))
-    };
+    let lesser =
+        |a: Option<Explained>, b: Option<Explained>| a.into_iter().chain(b).min_by(Explained::by_criterion);
     best = lesser(best, study.polished_on_lines(current).ok());
     if !current.effects.is_empty() {
         return best;

@@ -193,7 +193,7 @@ impl Search<'_> {
             let free = if port.law.has_corner() { &[0, 1, 2, 3][..] } else { &[0, 1] };
             self.study.polished(&in_form(found, self.study.form(setting, port, (free, range)))).ok()
         });
-        let best = fitted.min_by(|a, b| a.criterion.total_cmp(&b.criterion))?;
+        let best = fitted.min_by(Explained::by_criterion)?;
         (best.criterion + EVIDENCE < found.criterion).then_some(best)
     }
 
@@ -235,7 +235,7 @@ impl Search<'_> {
         }
         let asked = candidates.par_iter().map(|candidate| self.asked(baseline, candidate)).collect();
         let found = self.answered(asked).into_iter().filter(Explained::complete);
-        let Some(mut other) = found.min_by(|a, b| a.criterion.total_cmp(&b.criterion)) else { return model };
+        let Some(mut other) = found.min_by(Explained::by_criterion) else { return model };
         other.book(baseline);
         // Neither may be named for a longer fit than the other's.
         other = self.with_formula(self.study.polished_or_as_it_is(other));
@@ -273,7 +273,7 @@ impl Search<'_> {
         if setting.ports.is_empty() {
             candidates.extend(self.study.base_candidate(setting, plain.criterion));
         }
-        candidates.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        candidates.sort_by(BalanceCandidate::by_criterion);
         (plain, candidates)
     }
 

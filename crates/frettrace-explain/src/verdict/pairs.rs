@@ -196,7 +196,7 @@ impl Search<'_> {
         };
         let firsts = firsts.iter().filter(|first| within_reach(first.criterion, nearest));
         let mut pairs: Vec<(Explained, ContactCandidate)> = firsts.take(FIRSTS).flat_map(pair).collect();
-        pairs.sort_by(|(_, a), (_, b)| a.criterion.total_cmp(&b.criterion));
+        pairs.sort_by(|(_, a), (_, b)| a.by_criterion(b));
         let mut seen: Vec<[usize; 2]> = Vec::new();
         pairs.retain(|(with, second)| {
             let [a, b] = [with.effects[0], second.effect];
@@ -210,7 +210,7 @@ impl Search<'_> {
             .flat_map_iter(|(with, second)| self.study.contact_round(with, std::slice::from_ref(second)))
             .collect();
         let mut found = self.answered(asked);
-        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        found.sort_by(Explained::by_criterion);
         let best = found.first().cloned()?;
         let lacked = declared.excess();
         let best = self.further(best, lacked);
@@ -265,7 +265,7 @@ impl Search<'_> {
             })
             .collect();
         let nearest = |pairs: &mut Vec<(Explained, BalanceCandidate)>| {
-            pairs.sort_by(|(_, a), (_, b)| a.criterion.total_cmp(&b.criterion));
+            pairs.sort_by(|(_, a), (_, b)| a.by_criterion(b));
         };
         nearest(&mut pairs);
         pairs.truncate(FREED);
@@ -287,7 +287,7 @@ impl Search<'_> {
             let first = pairs.iter().find(|(with, _)| with.effects[0] == one.effects[0])?;
             one.book(&first.0);
         }
-        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        found.sort_by(Explained::by_criterion);
         let best = found.first()?.clone();
         self.only(declared, best, found)
     }
