@@ -24,16 +24,30 @@ impl Study<'_> {
         setting: &Setting,
         law_unknowns: &[Unknown],
     ) -> Option<ContactCandidate> {
+        self.contact_base_from(recovered, setting, law_unknowns, &[setting.law])
+    }
+
+    /// The same from several values of the law.
+    pub(crate) fn contact_base_from(
+        &self,
+        recovered: &Contacts,
+        setting: &Setting,
+        law_unknowns: &[Unknown],
+        laws: &[ModifiedLaw<f64>],
+    ) -> Option<ContactCandidate> {
         let plain = ContactForm::new(Vec::new());
-        let form = (usize::MAX, &plain);
-        let first = self.contact_candidate(recovered, setting, law_unknowns, form, 20)?;
+        let from = |law: &ModifiedLaw<f64>| {
+            let setting = Setting { law: *law, ..setting.clone() };
+            self.contact_candidate(recovered, &setting, law_unknowns, (usize::MAX, &plain), 20)
+        };
+        let first = laws.par_iter().filter_map(from).min_by(ContactCandidate::by_criterion)?;
         // Where a rigid contact's force jumps is known to a part of a sample only: χ² does not tell a poor end there.
         let few = law_unknowns.len() < 3;
         if first.meets() && (few || !setting.rigid) {
             return Some(first);
         }
         // A law of many values has several minima, and what a fit of the whole rig that lacks an effect made of one with few may be in none:
-        // other starts, where the first end is poor, and the best of them goes on.
+        // other starts, where the first end is poor, and the best of them goes on. The contacts tell these, whatever law it was.
         let others = starts(&setting.law, self.fastest(recovered), (recovered, setting.rigid));
         self.better_end(recovered, setting, law_unknowns, (others, first))
     }

@@ -88,13 +88,8 @@ impl Search<'_> {
         let (law, _) = Unknown::parted(&unknowns);
         let mut setting = self.unbent(current);
         let contacts = self.study.recovered(&setting)?;
-        let base = [Some(setting.law), other]
-            .into_iter()
-            .flatten()
-            .filter_map(|start| {
-                self.study.contact_base(&contacts, &Setting { law: start, ..setting.clone() }, &law)
-            })
-            .min_by(ContactCandidate::by_criterion);
+        let laws: Vec<ModifiedLaw<f64>> = std::iter::once(setting.law).chain(other).collect();
+        let base = self.study.contact_base_from(&contacts, &setting, &law, &laws);
         let [plain, reduced] =
             base.as_ref().map_or([f64::INFINITY; 2], |base| [base.criterion, base.reduced]);
         if let Some(base) = &base {
@@ -147,19 +142,20 @@ impl Search<'_> {
     }
 
     /// A round over the contact, fitted to its end; where that does not complete the declared model and its law is far from the contacts, the
-    /// same from softened lines. With an effect in it a law has come near enough.
+    /// same from softened lines, where that completes it or comes nearer by far. With an effect in it a law has come near enough.
     pub(super) fn contact(&mut self, current: &Explained) -> Result<Option<Explained>, ExplainError> {
         let before = current.effects.is_empty().then(|| self.clone());
         let found = self.contact_to_its_end(current, false)?;
         let is_complete = found.as_ref().is_some_and(Explained::complete);
         let Some(mut other) = before.filter(|_| !is_complete) else { return Ok(found) };
-        match other.contact_to_its_end(current, true)? {
-            Some(complete) if complete.complete() => {
-                *self = other;
-                Ok(Some(complete))
-            }
-            _ => Ok(found),
+        let Some(softened) = other.contact_to_its_end(current, true)? else { return Ok(found) };
+        // What leaves a trace, and a tenth of what is left from the lines as they are, is the mechanism, in another formula than here.
+        let ahead = || found.as_ref().is_none_or(|found| softened.is_far_ahead(found.excess()));
+        if softened.complete() || softened.leaves_a_trace(current) && ahead() {
+            *self = other;
+            return Ok(Some(softened));
         }
+        Ok(found)
     }
 
     /// The last effect of a model that has most of what was `lacked`, in another of its forms where that does better on the contacts recovered
