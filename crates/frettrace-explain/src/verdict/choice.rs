@@ -68,9 +68,9 @@ impl Search<'_> {
         Some(chosen)
     }
 
-    /// Writes down what models with one effect more have come to.
+    /// Writes down what models with one effect more, the nearest first, have come to: of an effect with several forms the nearest.
     fn record(&mut self, current: &Explained, found: &[Explained]) {
-        for one in found {
+        for one in found.iter().rev() {
             let Some(&effect) = one.effects.last() else { continue };
             let error = self.study.error(&one.fitted, &self.study.training).relative();
             let evidence = current.criterion - one.criterion;

@@ -140,6 +140,24 @@ struct Rubbed {
     friction: Vec<f64>,
 }
 
+impl Rubbed {
+    /// Deflection with which the period ends.
+    fn end(&self) -> f64 {
+        self.deflection.last().copied().unwrap_or(self.start)
+    }
+}
+
+/// A contact that is not set-valued at rest, along a period: its monotone stretches, the last one of every step, the states with which the period begins,
+/// the lagged force being that of rest, and the bristle.
+struct Yielded {
+    legs: Vec<Leg<f64>>,
+    of_step: Vec<usize>,
+    memory: f64,
+    engaged: f64,
+    lagged: f64,
+    rubbed: Rubbed,
+}
+
 impl ModifiedLaw<f64> {
     /// Writes the settled force (N) at every sample of a motion; the state with which its period begins. A contact that never
     /// forgets is as it comes from rest along its virgin curve, and one that has not settled begins with its own deflection.
@@ -147,7 +165,7 @@ impl ModifiedLaw<f64> {
         if along.is_rigid(self) {
             return self.settle_rigid(along, force);
         }
-        self.settle_yielding(along, force).0
+        self.settle_yielding(along, force)
     }
 
     /// What the deflection gains in a period that begins with one of its own ([`Periodic::deflection`]); nothing where it has settled.
@@ -156,8 +174,9 @@ impl ModifiedLaw<f64> {
         if along.deflection.is_none() || along.is_rigid(self) {
             return 0.0;
         }
-        let (start, end) = self.settle_yielding(along, &mut vec![0.0; along.slip.len()]);
-        end - start.0[0]
+        // What the force is does not tell what the deflection does.
+        let rubbed = self.yielded(along).rubbed;
+        rubbed.end() - rubbed.start
     }
 
     /// Slip (m) that a contact with a deflection of its own ([`Periodic::deflection`]) gains in a period, in which the deflection comes back to what it
@@ -190,8 +209,8 @@ impl ModifiedLaw<f64> {
         drift
     }
 
-    /// A contact that is not set-valued at rest; the deflection with which its period ends, too.
-    fn settle_yielding(&self, along: &Periodic<'_>, force: &mut [f64]) -> (ModifiedState<f64>, f64) {
+    /// A contact that is not set-valued at rest, but for its force.
+    fn yielded(&self, along: &Periodic<'_>) -> Yielded {
         let begun = self.begun((along.slip[0], along.velocity[0], along.normal[0]), along);
         let [b, memory, engaged, lagged] = begun.0;
         let (mut legs, of_step, engaged) = self.legs(along, engaged);
@@ -202,6 +221,12 @@ impl ModifiedLaw<f64> {
             memory
         };
         let rubbed = self.rub(along, (&legs, &of_step), b);
+        Yielded { legs, of_step, memory, engaged, lagged, rubbed }
+    }
+
+    /// The same with its force.
+    fn settle_yielding(&self, along: &Periodic<'_>, force: &mut [f64]) -> ModifiedState<f64> {
+        let Yielded { legs, of_step, memory, engaged, lagged, rubbed } = self.yielded(along);
         let circumstance = along.circumstance(self, 0);
         for (k, &last) in of_step.iter().enumerate() {
             let (next, leg) = (along.next(k), &legs[last]);
@@ -215,8 +240,7 @@ impl ModifiedLaw<f64> {
             force[next] = self.force(rubbed.deflection[k], &end, velocity, friction);
         }
         let lagged = if self.on(Hook::ForceLag) { self.settle_lag(along, force, lagged) } else { lagged };
-        let end = rubbed.deflection.last().copied().unwrap_or(rubbed.start);
-        (ModifiedState([rubbed.start, memory, engaged, lagged]), end)
+        ModifiedState([rubbed.start, memory, engaged, lagged])
     }
 
     /// Normal force at a sample, with the modulation of the preload.
