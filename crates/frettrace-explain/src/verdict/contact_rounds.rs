@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 /// χ² per residual on the recovered contacts from which no whole model with a law may leave a trace: ten times what the method
 /// leaves of the right one at the lowest noise.
-const TRACELESS: f64 = 500.0;
+pub(super) const TRACELESS: f64 = 500.0;
 
 /// Recovered contacts with what the law of a model makes of them.
 pub(super) struct Recovered {

@@ -1,10 +1,11 @@
 //! One effect more outside the contact.
 
 use super::asked_again::LEFT;
+use super::contact_rounds::TRACELESS;
 use super::finer::MOST_TAKEN;
 use super::{BALANCE_CALIBRATED, BALANCE_CLOSED, EVIDENCE, PROXY, Rival, Search, Tried};
 use crate::balance_fit::BalanceCandidate;
-use crate::contact_search::{ContactCandidate, POOR};
+use crate::contact_search::ContactCandidate;
 use crate::effects::{ALL, ContactForm, EffectPlace, StructureForm, apply, few_places, listed};
 use crate::force_laws::{CUBIC_BELOW, thresholds};
 use crate::search::{Asked, Explained, NEAR};
@@ -136,11 +137,11 @@ impl Search<'_> {
     }
 
     /// Forms of the effects of the contact that may hide in the structure, of those that no whole model was asked with yet. None does where no contact force
-    /// closes the balance, nor where the law misses the recovered contacts, which were recovered with what the structure leaves open: these show then what
-    /// is missing. Those of a rigid contact do not tell.
+    /// closes the balance, nor where the law misses the recovered contacts by far, which were recovered with what the structure leaves open: these show then
+    /// what is missing. Those of a rigid contact do not tell.
     fn like_a_structure(&self, current: &Explained) -> Vec<(usize, ContactForm)> {
         let setting = &current.fitted.setting;
-        let shown = || !setting.rigid && self.recovered(current).is_ok_and(|on| on.reduced > POOR);
+        let shown = || !setting.rigid && self.recovered(current).is_ok_and(|on| on.reduced > TRACELESS);
         if !self.closed(setting) || shown() {
             return Vec::new();
         }
