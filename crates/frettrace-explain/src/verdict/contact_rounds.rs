@@ -98,7 +98,7 @@ impl Search<'_> {
         Ok(Recovered { contacts, setting, law, plain, reduced })
     }
 
-    /// Every effect of the contact on the contacts that were recovered with a model, beside its own.
+    /// Every effect of the contact on the contacts that were recovered with a model, beside those that it has.
     pub(super) fn candidates_on(
         &self,
         recovered: &Arc<Recovered>,
@@ -106,8 +106,7 @@ impl Search<'_> {
         current: &Explained,
     ) -> Vec<ContactCandidate> {
         let Recovered { contacts, setting, law, reduced, .. } = &**recovered;
-        let by = (softened, &current.effects[..], &self.study.case.without[..]);
-        self.known.candidates(recovered, by, || {
+        self.known.candidates(recovered, (softened, &self.study.case.without), || {
             let taken = (&current.effects[..], *reduced);
             self.study.contact_candidates((contacts, softened), setting, law, taken)
         })

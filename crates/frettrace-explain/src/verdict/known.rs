@@ -28,12 +28,11 @@ struct With {
     other: Option<ModifiedLaw<f64>>,
 }
 
-/// What the effects of the contact on recovered contacts are told by: those themselves, whether the search began on softened lines, the effects that are
-/// taken, and the names that are left out.
+/// What the effects of the contact on recovered contacts are told by: those themselves, which are of one model and beside what it has, whether the search began on
+/// softened lines, and the names that are left out.
 struct On {
     recovered: Arc<Recovered>,
     softened: bool,
-    taken: Vec<usize>,
     without: Vec<String>,
 }
 
@@ -41,7 +40,6 @@ impl PartialEq for On {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.recovered, &other.recovered)
             && self.softened == other.softened
-            && self.taken == other.taken
             && self.without == other.without
     }
 }
@@ -51,7 +49,7 @@ impl PartialEq for On {
 pub(super) struct Known {
     models: Kept<By, Result<Explained, ExplainError>>,
     recovered: Kept<With, Arc<Recovered>>,
-    candidates: Kept<On, Arc<Vec<ContactCandidate>>>,
+    candidates: Kept<On, Vec<ContactCandidate>>,
 }
 
 impl Known {
@@ -91,7 +89,9 @@ impl Known {
         (model, other): (&Explained, Option<ModifiedLaw<f64>>),
         recover: impl FnOnce() -> Result<Recovered, ExplainError>,
     ) -> Result<Arc<Recovered>, ExplainError> {
-        let Setting { rigid, .. } = model.fitted.setting;
+        if model.fitted.setting.rigid {
+            return recover().map(Arc::new);
+        }
         let by = With {
             grids: study.model.on_grids(),
             setting: model.fitted.setting.clone(),
@@ -99,7 +99,7 @@ impl Known {
             added: model.added.clone(),
             other,
         };
-        if let Some(known) = self.recovered.of(&by).filter(|_| !rigid) {
+        if let Some(known) = self.recovered.of(&by) {
             return Ok(known);
         }
         let found = Arc::new(recover()?);
@@ -111,16 +111,15 @@ impl Known {
     pub(super) fn candidates(
         &self,
         recovered: &Arc<Recovered>,
-        (softened, taken, without): (bool, &[usize], &[String]),
+        (softened, without): (bool, &[String]),
         ask: impl FnOnce() -> Vec<ContactCandidate>,
     ) -> Vec<ContactCandidate> {
-        let by =
-            On { recovered: recovered.clone(), softened, taken: taken.to_vec(), without: without.to_vec() };
+        let by = On { recovered: recovered.clone(), softened, without: without.to_vec() };
         if let Some(known) = self.candidates.of(&by) {
-            return known.to_vec();
+            return known;
         }
         let found = ask();
-        self.candidates.keep(by, Arc::new(found.clone()));
+        self.candidates.keep(by, found.clone());
         found
     }
 }
