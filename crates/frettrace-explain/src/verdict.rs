@@ -112,6 +112,9 @@ struct Search<'a> {
     refined: usize,
     /// Whether what the declared model leaves is within what the method itself may be wrong by.
     within_method: bool,
+    /// Whether no phase grid that a balance gets resolves any run of a rigid contact: nor does the sampling rate resolve the force recovered of those
+    /// without a period.
+    unresolved: bool,
     /// Whether a name stands whose formula leaves more than the noise.
     other_formula: bool,
     /// Whether a mode must leave what was declared of it, and its name is not asked for.
@@ -152,6 +155,7 @@ impl<'a> Search<'a> {
             study,
             refined: 0,
             within_method: false,
+            unresolved: false,
             other_formula: false,
             strained: false,
             deviates: false,
@@ -402,11 +406,13 @@ impl Search<'_> {
             contact.error(&setting.law) > SERIES_OPEN
                 && contact.cost(&setting.law) > SERIES_BEYOND * contact.count() as f64
         };
-        as_declared(setting) && self.study.series.par_iter().any(|(_, contact)| beyond(contact))
+        let judges = !self.unresolved && as_declared(setting);
+        judges && self.study.series.par_iter().any(|(_, contact)| beyond(contact))
     }
 
     fn series_open(&self, model: &Explained) -> bool {
-        as_declared(&model.fitted.setting) && self.series_error(model) > SERIES_OPEN
+        let judges = !self.unresolved && as_declared(&model.fitted.setting);
+        judges && self.series_error(model) > SERIES_OPEN
     }
 
     /// The declared model from the law of the one that explains, where that ends far better than it did: it had come to rest in

@@ -1,7 +1,7 @@
 //! Phase grids of a study: as fine as the contact's force asks for.
 
 use super::{ExplainError, Fitted, Study};
-use crate::search::Explained;
+use crate::search::{Explained, NEAR};
 use crate::{Case, RunRecord};
 use frettrace_forward::accelerations::{AccelerationModel, RunLines};
 use std::sync::Arc;
@@ -14,9 +14,11 @@ const MOST_RIGID_LINES: usize = 256;
 /// Lines of contact force from which none are added: the factor of a balance takes the cube of them.
 const FINEST_LINES: usize = 1536;
 /// Doublings of the lines of contact force to the grid that predictions are corrected to.
-const FINEST_DOUBLINGS: usize = 3;
+const FINEST_DOUBLINGS: u32 = 3;
 /// Share of the difference between the predictions of two grids, one twice as fine as the other, that the finer one leaves.
 const GRID_LEFT: f64 = 0.5;
+/// By what twice the lines divide the error of a grid.
+const DIVIDED: f64 = 3.0;
 /// χ² per residual by which a grid that cuts the contact's force short may miss a run: a tenth of the variance.
 const CUT_SHORT: f64 = 0.1;
 /// Most samples of the phase grid.
@@ -185,6 +187,20 @@ impl Study<'_> {
             (sum / count.max(1) as f64).sqrt()
         };
         told.into_iter().map(|run| (run, doubt(run))).collect()
+    }
+
+    /// Whether what the finest grid that a balance gets may be wrong by is more than [`NEAR`] times the noise in every run: no law can be told in any of
+    /// them. Where the coarser grids have no balance nothing is known.
+    pub(crate) fn resolves_nothing(&self, fitted: &Fitted) -> bool {
+        let doubts = self.grid_doubts(fitted);
+        let finest = |(run, doubt): &(usize, f64)| doubt / DIVIDED.powi(self.doublings(*run));
+        !doubts.is_empty() && doubts.iter().all(|of_run| finest(of_run) > NEAR)
+    }
+
+    /// Doublings of the lines of contact force that a run may still get.
+    fn doublings(&self, run: usize) -> i32 {
+        let most = FINEST_LINES / self.model.runs[run].contact_order.max(1);
+        if self.fine.is_some() { 0 } else { most.max(1).ilog2().min(FINEST_DOUBLINGS) as i32 }
     }
 
     /// The same study with half the lines of contact force in every run that keeps as many as were measured of it: a run that has the

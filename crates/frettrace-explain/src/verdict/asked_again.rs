@@ -111,12 +111,12 @@ impl<'a> Begun<'a> {
             baseline = search.further(baseline, lacked);
             search.coarse = None;
         }
-        if !baseline.complete()
-            && let Some(better) = search.restarted(&baseline)
-        {
+        let told = baseline.complete() || search.is_beyond_all_grids(&baseline);
+        if !told && let Some(better) = search.restarted(&baseline) {
             baseline = better;
         }
-        if !baseline.complete()
+        if !told
+            && !baseline.complete()
             && search.study.support.is_none()
             && let Some(better) = search.by_loose_modes(&baseline, setting)
         {

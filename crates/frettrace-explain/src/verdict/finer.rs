@@ -43,6 +43,9 @@ impl<'a> Search<'a> {
             current = self.study.unsettled_contacts(current);
         }
         let kinked = is_kinked(&current);
+        if kinked && let Some(doubted) = self.beyond_all_grids(&current) {
+            return doubted;
+        }
         let near = current.ratio <= NEAR
             || current.excess() <= MOST_TAKEN * lacked
             || kinked && !self.is_beyond_grid(&current);
@@ -87,6 +90,21 @@ impl<'a> Search<'a> {
             self.study.error(&model.fitted, &[run]).ratio() > BEYOND_GRID * doubt.max(NEAR)
         };
         !doubts.is_empty() && doubts.into_iter().all(beyond)
+    }
+
+    /// A declared model of a rigid contact with the error of its phase grid among the deviations of the lines, where no grid that a balance gets resolves any
+    /// of its runs and it leaves no more than that: what finer grids would cost tells nothing.
+    fn beyond_all_grids(&mut self, model: &Explained) -> Option<Explained> {
+        if !self.study.resolves_nothing(&model.fitted) {
+            return None;
+        }
+        let mut study = self.study.clone();
+        study.doubt_grid(&model.fitted).ok()?;
+        let as_it_is = study.judged(model.fitted.clone(), Vec::new(), Vec::new());
+        let fitted = study.polished(&as_it_is).ok().into_iter().chain([as_it_is]);
+        let within = fitted.filter(|one| one.left().is_noise()).min_by(|a, b| a.ratio.total_cmp(&b.ratio))?;
+        (self.study, self.unresolved) = (study, true);
+        Some(within)
     }
 
     /// Goes on with another grid's study and the model fitted there; a declared model of a rigid contact is fitted with the doubt of that grid.
@@ -168,7 +186,12 @@ impl<'a> Search<'a> {
     pub(super) fn within_method(&self, model: &Explained) -> bool {
         let training = &self.study.training;
         let slight = model.ratio <= BORNE_OUT || model.ratio <= NEAR && self.is_accurate(model, training);
-        slight && self.by_method(model, training)
+        slight && self.by_method(model, training) || self.is_beyond_all_grids(model)
+    }
+
+    /// Whether what a declared model leaves is no more than its phase grid may be wrong by, and no grid that a balance gets resolves any of its runs.
+    pub(super) fn is_beyond_all_grids(&self, model: &Explained) -> bool {
+        self.unresolved && is_kinked(model) && model.left().is_noise()
     }
 
     /// Whether a model with a rigid contact foretells runs that nothing was fitted to within the noise, and leaves in those that it was fitted to no more than

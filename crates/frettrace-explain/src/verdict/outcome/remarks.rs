@@ -96,10 +96,15 @@ impl Search<'_> {
     }
 
     fn of_a_rigid_balance(&self, baseline: &Explained) -> Option<String> {
+        let left = baseline.ratio;
         self.within_method.then(|| {
+            if self.unresolved {
+                return format!(
+                    "no phase grid that the balance of a rigid contact gets resolves any run, nor does the sampling rate: what the declared model leaves, {left:.2} times the noise, is no more than its own may be wrong by, and no effect is looked for below it; quieter sensors would not tell more, a lower excitation frequency or a contact that yields would"
+                );
+            }
             format!(
-                "what the declared model leaves, {:.2} times the noise, is within the accuracy of a rigid contact's balance, {RIGID_ACCURACY:.0e} of the amplitude or what its phase grid may be wrong by: no effect is looked for below it",
-                baseline.ratio
+                "what the declared model leaves, {left:.2} times the noise, is within the accuracy of a rigid contact's balance, {RIGID_ACCURACY:.0e} of the amplitude or what its phase grid may be wrong by: no effect is looked for below it"
             )
         })
     }
