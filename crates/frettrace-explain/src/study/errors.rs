@@ -54,6 +54,16 @@ impl Study<'_> {
     /// balance does not close.
     #[must_use]
     pub fn predictions(&self, fitted: &Fitted, selected: &[usize]) -> Vec<Option<Prediction>> {
+        self.predictions_from(fitted, selected, &mut fitted.memory.clone())
+    }
+
+    /// The same from solutions near it on these grids, and to them.
+    pub(super) fn predictions_from(
+        &self,
+        fitted: &Fitted,
+        selected: &[usize],
+        memory: &mut Memory,
+    ) -> Vec<Option<Prediction>> {
         let by = |run: usize| By {
             run,
             grids: self.model.on_grids(),
@@ -66,7 +76,7 @@ impl Study<'_> {
         let new: Vec<usize> = (0..known.len()).filter(|&k| known[k].is_none()).collect();
         if !new.is_empty() {
             let runs: Vec<usize> = new.iter().map(|&k| selected[k]).collect();
-            for (&k, found) in new.iter().zip(self.predicted(fitted, &runs)) {
+            for (&k, found) in new.iter().zip(self.predicted(&fitted.setting, &runs, memory)) {
                 fitted.predicted.keep(by(selected[k]), found.clone());
                 known[k] = Some(found);
             }
@@ -84,10 +94,14 @@ impl Study<'_> {
     }
 
     /// The same of the model alone, from nothing but its memory.
-    fn predicted(&self, fitted: &Fitted, selected: &[usize]) -> Vec<Option<Prediction>> {
-        let mut memory = fitted.memory.clone();
-        self.begin(&fitted.setting, selected, &mut memory);
-        let Ok(found) = self.model.predict_each(&fitted.setting, selected, &mut memory) else {
+    fn predicted(
+        &self,
+        setting: &Setting,
+        selected: &[usize],
+        memory: &mut Memory,
+    ) -> Vec<Option<Prediction>> {
+        self.begin(setting, selected, memory);
+        let Ok(found) = self.model.predict_each(setting, selected, memory) else {
             return vec![None; selected.len()];
         };
         let mut found: Vec<Option<Prediction>> = found.into_iter().map(Result::ok).collect();
@@ -97,7 +111,7 @@ impl Study<'_> {
             return found;
         }
         let runs: Vec<usize> = far.iter().map(|&k| selected[k]).collect();
-        if let Ok(approached) = self.model.approach_each(&fitted.setting, &runs, &mut memory) {
+        if let Ok(approached) = self.model.approach_each(setting, &runs, memory) {
             far.iter().zip(approached).for_each(|(&k, one)| found[k] = one.ok());
         }
         found

@@ -3,7 +3,7 @@
 use super::{ExplainError, Fitted, Study};
 use crate::search::{Explained, NEAR};
 use crate::{Case, RunRecord};
-use frettrace_forward::accelerations::{AccelerationModel, RunLines};
+use frettrace_forward::accelerations::{AccelerationModel, Memory, RunLines};
 use std::sync::Arc;
 
 /// Lines of the excitation that the force of a rigid contact gets at least, …
@@ -105,19 +105,20 @@ impl Study<'_> {
         Ok(self.of_model(self.model.with_runs(self.model.runs.clone())?))
     }
 
-    /// The same study whose predictions are corrected to those on a `fine` grid, as they are at a fitted model ([`AccelerationModel::corrected`]). A run that has no
-    /// balance on one of the grids keeps its own.
+    /// The same study whose predictions are corrected to those on a `fine` grid, as they are at a fitted model ([`AccelerationModel::corrected`]), from solutions
+    /// near it there, if any are known. A run that has no balance on one of the grids keeps its own.
     ///
     /// # Errors
     /// [`ExplainError::Model`] where the grid cannot carry the lines.
     pub(crate) fn corrected(
         &self,
         fine: &Arc<AccelerationModel>,
-        fitted: &Fitted,
+        (fitted, known): (&Fitted, &mut Memory),
     ) -> Result<Self, ExplainError> {
         let (plain, finest) = (self.plain()?, self.of_model((**fine).clone()));
         let all = self.all_runs();
-        let [fine_lines, lines] = [&finest, &plain].map(|study| study.predictions(fitted, &all));
+        let fine_lines = finest.predictions_from(fitted, &all, known);
+        let lines = plain.predictions(fitted, &all);
         let mut corrections = vec![None; plain.model.runs.len()];
         for ((&run, fine), lines) in all.iter().zip(fine_lines).zip(lines) {
             let (Some(mut fine), Some(lines)) = (fine, lines) else { continue };

@@ -329,9 +329,11 @@ fn doubting(study: &mut Study<'_>, model: &Explained) -> Option<Explained> {
 fn on_corrected<'a>(plain: &Study<'a>, current: &Explained) -> Option<(Study<'a>, Explained)> {
     let fine = Arc::new(plain.finest().ok()?);
     let (mut at, mut left) = (current.clone(), f64::INFINITY);
+    // Solutions on the fine grid, which cost as much as all else: each round begins from those of the last one.
+    let mut known = current.fitted.memory.clone();
     let mut best = None;
     for _ in 0..CORRECTIONS {
-        let study = plain.corrected(&fine, &at.fitted).ok()?;
+        let study = plain.corrected(&fine, (&at.fitted, &mut known)).ok()?;
         // Where the correction was found the error is that on the fine grid itself.
         let now = excess(study.error(&at.fitted, &study.training).ratio());
         let settled = now >= AT_REST.sqrt() * left || now == 0.0;
