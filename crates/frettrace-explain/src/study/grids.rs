@@ -37,6 +37,13 @@ pub(super) fn model_lines(case: &Case, record: &RunRecord) -> RunLines {
     lines
 }
 
+/// Whether the finest grids leave more than [`NEAR`] times the noise in every run: what its grid may be wrong by over the noise, and the doublings of
+/// its lines that it may still get. Where the coarser grids have no balance nothing is known, and there is no run.
+fn are_beyond_all(doubts: &[(f64, u32)]) -> bool {
+    let left = |&(doubt, doublings): &(f64, u32)| doubt / DIVIDED.powi(doublings as i32);
+    !doubts.is_empty() && doubts.iter().all(|run| left(run) > NEAR)
+}
+
 impl Study<'_> {
     /// The same study on a finer phase grid with twice the lines of contact force: kinks that a law with play, stops or a
     /// steep rise makes need them. `None` where no run can have more, or the predictions are those of a finer grid already.
@@ -105,8 +112,8 @@ impl Study<'_> {
         Ok(self.of_model(self.model.with_runs(self.model.runs.clone())?))
     }
 
-    /// The same study whose predictions are corrected to those on a `fine` grid, as they are at a fitted model ([`AccelerationModel::corrected`]), from solutions
-    /// near it there, if any are known. A run that has no balance on one of the grids keeps its own.
+    /// The same study whose predictions are corrected to those on a `fine` grid, as they are at a fitted model ([`AccelerationModel::corrected`]), from what
+    /// is known of its solutions there, and to them. A run that has no balance on one of the grids keeps its own.
     ///
     /// # Errors
     /// [`ExplainError::Model`] where the grid cannot carry the lines.
@@ -191,17 +198,16 @@ impl Study<'_> {
     }
 
     /// Whether what the finest grid that a balance gets may be wrong by is more than [`NEAR`] times the noise in every run: no law can be told in any of
-    /// them. Where the coarser grids have no balance nothing is known.
+    /// them.
     pub(crate) fn resolves_nothing(&self, fitted: &Fitted) -> bool {
-        let doubts = self.grid_doubts(fitted);
-        let finest = |(run, doubt): &(usize, f64)| doubt / DIVIDED.powi(self.doublings(*run));
-        !doubts.is_empty() && doubts.iter().all(|of_run| finest(of_run) > NEAR)
+        let doubts = self.grid_doubts(fitted).into_iter();
+        are_beyond_all(&doubts.map(|(run, doubt)| (doubt, self.doublings(run))).collect::<Vec<_>>())
     }
 
     /// Doublings of the lines of contact force that a run may still get.
-    fn doublings(&self, run: usize) -> i32 {
+    fn doublings(&self, run: usize) -> u32 {
         let most = FINEST_LINES / self.model.runs[run].contact_order.max(1);
-        if self.fine.is_some() { 0 } else { most.max(1).ilog2().min(FINEST_DOUBLINGS) as i32 }
+        if self.fine.is_some() { 0 } else { most.max(1).ilog2().min(FINEST_DOUBLINGS) }
     }
 
     /// The same study with half the lines of contact force in every run that keeps as many as were measured of it: a run that has the
@@ -226,5 +232,19 @@ impl Study<'_> {
             support: self.support.clone(),
             fine: None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::are_beyond_all;
+
+    /// Three runs of a simulated rig whose rigid contact rings on 290 to 494 lines: the first two may get twice the lines, which leave a third of what
+    /// their grids may be wrong by, and the last one none. With three doublings it would be resolved: 35.8/27 is near the noise.
+    #[test]
+    fn a_rig_is_beyond_all_grids_where_the_finest_resolves_no_run() {
+        assert!(are_beyond_all(&[(28.5, 1), (33.9, 1), (35.8, 0)]));
+        assert!(!are_beyond_all(&[(28.5, 1), (33.9, 1), (35.8, 3)]));
+        assert!(!are_beyond_all(&[]));
     }
 }

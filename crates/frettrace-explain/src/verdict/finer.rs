@@ -295,8 +295,10 @@ fn on_finer(study: &Study<'_>, current: &Explained) -> Option<Explained> {
         return best;
     }
     let declared = study.case.setting(setting.law);
+    // The contacts may tell no more than the law that they were asked from.
     let recovered = || study.laws_on_contacts(&declared).unwrap_or_default();
-    for law in std::iter::once(setting.law).chain(std::iter::once_with(recovered).flatten()) {
+    let others = std::iter::once_with(recovered).flatten().filter(|law| *law != setting.law);
+    for law in std::iter::once(setting.law).chain(others) {
         if done(best.as_ref()) {
             break;
         }
@@ -329,11 +331,13 @@ fn doubting(study: &mut Study<'_>, model: &Explained) -> Option<Explained> {
 fn on_corrected<'a>(plain: &Study<'a>, current: &Explained) -> Option<(Study<'a>, Explained)> {
     let fine = Arc::new(plain.finest().ok()?);
     let (mut at, mut left) = (current.clone(), f64::INFINITY);
-    // Solutions on the fine grid, which cost as much as all else: each round begins from those of the last one.
+    // Balances on the fine grid cost as much as all else: each round has the factors of the last one. Their solutions are found anew, since a rigid
+    // contact may have several, and the accelerations show which.
     let mut known = current.fitted.memory.clone();
     let mut best = None;
     for _ in 0..CORRECTIONS {
         let study = plain.corrected(&fine, (&at.fitted, &mut known)).ok()?;
+        known = known.factors();
         // Where the correction was found the error is that on the fine grid itself.
         let now = excess(study.error(&at.fitted, &study.training).ratio());
         let settled = now >= AT_REST.sqrt() * left || now == 0.0;

@@ -73,6 +73,13 @@ impl Memory {
         Self { runs: self.runs.iter().map(RunMemory::without_factor).collect() }
     }
 
+    /// The factors of these balances, with nothing of their solutions but the mean of each: every run begins anew from its accelerations, and ends beside
+    /// the motion that they show whatever these solutions were.
+    #[must_use]
+    pub fn factors(&self) -> Self {
+        Self { runs: self.runs.iter().map(RunMemory::factor_alone).collect() }
+    }
+
     /// The solutions of a setting with `ports` ports, for the same setting with one more that exerts nothing.
     #[must_use]
     pub fn with_idle_port(&self, ports: usize) -> Self {

@@ -28,12 +28,17 @@ impl RunMemory {
         !self.unknowns.is_empty()
     }
 
-    /// Begins anew from the accelerations, and from the mean of the friction force that was known.
+    /// Begins anew from the accelerations, and from the mean of the friction force that was known. A factor stays beside a mean alone.
     fn begin(&mut self, e: &Evaluation<'_>) {
+        let stays = self.unknowns.len() == 1;
+        self.factor = self.factor.take().filter(|(_, at)| stays && at.len() == e.width());
         let mean = self.unknowns.first().copied().unwrap_or_default();
         self.unknowns = recover(e);
         self.unknowns[0] = mean;
-        self.factor = None;
+    }
+
+    pub(super) fn factor_alone(&self) -> Self {
+        Self { unknowns: self.unknowns.first().copied().into_iter().collect(), factor: self.factor.clone() }
     }
 
     pub(super) fn without_factor(&self) -> Self {
@@ -146,7 +151,7 @@ pub(super) fn approach<'a>(
         }
     }
     let begun_anew = |kept: &mut RunMemory| {
-        kept.unknowns = mean.into_iter().collect();
+        (kept.unknowns, kept.factor) = (mean.into_iter().collect(), None);
         kept.begin(e);
     };
     begun_anew(kept);
