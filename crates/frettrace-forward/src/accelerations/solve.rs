@@ -351,7 +351,7 @@ const SHORTEST: f64 = 0.02;
 mod tests {
     use super::{RunMemory, Updates};
 
-    /// A contact and one port of order 1 on orders 2 and 0; a mean that is known alone stays alone.
+    /// A contact and one port of order 1 on orders 2 and 0; a mean that is known alone stays alone, and is all that a factor alone keeps.
     #[test]
     fn harmonics_stay_on_their_lines() {
         let of = |unknowns: &[f64]| RunMemory { unknowns: unknowns.to_vec(), factor: None };
@@ -360,6 +360,8 @@ mod tests {
         assert_eq!(known.on_lines(1, 0).unknowns, [1.0, 4.0]);
         assert_eq!(of(&[7.0]).on_lines(0, 2).unknowns, [7.0]);
         assert!(of(&[]).on_lines(1, 2).unknowns.is_empty());
+        assert_eq!(known.factor_alone().unknowns, [1.0]);
+        assert!(of(&[]).factor_alone().unknowns.is_empty());
     }
 
     /// With the factor 1 of the derivative A = ((2, 1), (0, 4)): after two steps along the axes the updated inverse is that of A,
