@@ -23,6 +23,7 @@ mod predicted;
 
 pub(crate) use creep::breaks_away;
 pub use errors::RunError;
+pub(crate) use grids::FINEST_DOUBLINGS;
 use grids::model_lines;
 pub(crate) use predicted::Predicted;
 

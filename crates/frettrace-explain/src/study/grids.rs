@@ -14,7 +14,7 @@ const MOST_RIGID_LINES: usize = 256;
 /// Lines of contact force from which none are added: the factor of a balance takes the cube of them.
 const FINEST_LINES: usize = 1536;
 /// Doublings of the lines of contact force to the grid that predictions are corrected to.
-const FINEST_DOUBLINGS: u32 = 3;
+pub(crate) const FINEST_DOUBLINGS: u32 = 3;
 /// Share of the difference between the predictions of two grids, one twice as fine as the other, that the finer one leaves.
 const GRID_LEFT: f64 = 0.5;
 /// By what twice the lines divide the error of a grid.
@@ -90,13 +90,13 @@ impl Study<'_> {
         Ok(cut_short.then(|| self.of_model(model)))
     }
 
-    /// The model on a grid with eight times the lines of contact force, or as many as a balance gets.
+    /// The model on a grid with so many doublings of the lines of contact force, or as many lines as a balance gets.
     ///
     /// # Errors
     /// [`ExplainError::Model`] where the grid cannot carry the lines.
-    pub(crate) fn finest(&self) -> Result<AccelerationModel, ExplainError> {
+    pub(crate) fn finer_by(&self, doublings: u32) -> Result<AccelerationModel, ExplainError> {
         let mut finest = self.plain()?;
-        for _ in 0..FINEST_DOUBLINGS {
+        for _ in 0..doublings {
             let Some(finer) = finest.refined()? else { break };
             finest = finer;
         }
@@ -178,7 +178,7 @@ impl Study<'_> {
     /// # Errors
     /// [`ExplainError::Model`] where the grid cannot carry the lines.
     pub(crate) fn by_finest(&self) -> Result<Self, ExplainError> {
-        Ok(Self { fine: Some(Arc::new(self.finest()?)), ..self.clone() })
+        Ok(Self { fine: Some(Arc::new(self.finer_by(FINEST_DOUBLINGS)?)), ..self.clone() })
     }
 
     /// What the phase grid of each run may be wrong by, over the noise, in the root mean square of its lines; none where the coarser grid has

@@ -1,11 +1,12 @@
 //! Fits to their end: further steps, finer phase grids, the further values of a shape.
 
-use super::{BORNE_OUT, EVIDENCE, FORETOLD, Search};
+use super::{BORNE_OUT, CONTRADICTED, EVIDENCE, FORETOLD, Search};
 use crate::effects::{ALL, shaped};
 use crate::left::LeftLines;
 use crate::search::{Explained, NEAR, excess};
+use crate::study::FINEST_DOUBLINGS;
 use crate::{Study, Unknown};
-use frettrace_forward::accelerations::Setting;
+use frettrace_forward::accelerations::{AccelerationModel, Setting};
 use std::sync::Arc;
 
 /// A model near the data is fitted further, and on a finer grid, before it is judged, and so is one that leaves no more than this share of the excess
@@ -59,7 +60,7 @@ impl<'a> Search<'a> {
         while worth && !told(self, &current) {
             if corrects && current.ratio <= NEAR {
                 corrects = false;
-                if let Some((study, better)) = on_corrected(&self.study, &current) {
+                if let Some((study, better)) = self.corrected(&current) {
                     return self.moved_to(study, better);
                 }
             }
@@ -80,6 +81,29 @@ impl<'a> Search<'a> {
             }
         }
         current
+    }
+
+    /// A model of a rigid contact corrected to a finer grid, the finest where the one before does not do: that one costs an eighth, and is enough where
+    /// nothing but noise is left on the lines, and runs held out are followed.
+    fn corrected(&self, current: &Explained) -> Option<(Study<'a>, Explained)> {
+        let finer_by = |doublings: u32| self.study.finer_by(doublings).ok().map(Arc::new);
+        let (before, finest) = (finer_by(FINEST_DOUBLINGS - 1)?, finer_by(FINEST_DOUBLINGS)?);
+        let mut runs = before.runs.iter().zip(&finest.runs);
+        if runs.all(|(before, finest)| before.contact_order == finest.contact_order) {
+            return on_corrected(&self.study, (current, current), &finest);
+        }
+        let found = on_corrected(&self.study, (current, current), &before);
+        let follows = |(study, better): &(Study<'_>, Explained)| {
+            let held_out = &study.held_out;
+            let followed =
+                held_out.is_empty() || study.error(&better.fitted, held_out).ratio() <= CONTRADICTED;
+            better.complete() && better.left().is_noise() && followed
+        };
+        if found.as_ref().is_some_and(follows) {
+            return found;
+        }
+        let begun = found.as_ref().map_or(current, |(_, better)| better);
+        on_corrected(&self.study, (current, begun), &finest)
     }
 
     /// Whether a model far from the data misses every run by far more than its phase grid may be wrong by: no finer one mends that. Where the coarser grid
@@ -326,17 +350,20 @@ fn doubting(study: &mut Study<'_>, model: &Explained) -> Option<Explained> {
     found
 }
 
-/// A model of a rigid contact with its predictions corrected to those on a fine grid, fitted to them in some rounds; `None` where that is not complete and takes less
-/// than a third of what was left of the fitted runs.
-fn on_corrected<'a>(plain: &Study<'a>, current: &Explained) -> Option<(Study<'a>, Explained)> {
-    let fine = Arc::new(plain.finest().ok()?);
-    let (mut at, mut left) = (current.clone(), f64::INFINITY);
+/// A model of a rigid contact with its predictions corrected to those on a fine grid, fitted to them in some rounds that begin from another one; `None` where that
+/// is not complete and takes less than a third of what was left of the fitted runs.
+fn on_corrected<'a>(
+    plain: &Study<'a>,
+    (current, begun): (&Explained, &Explained),
+    fine: &Arc<AccelerationModel>,
+) -> Option<(Study<'a>, Explained)> {
+    let (mut at, mut left) = (begun.clone(), f64::INFINITY);
     // Balances on the fine grid cost as much as all else: each round has the factors of the last one. Their solutions are found anew, since a rigid
     // contact may have several, and the accelerations show which.
     let mut known = current.fitted.memory.clone();
     let mut best = None;
     for _ in 0..CORRECTIONS {
-        let study = plain.corrected(&fine, (&at.fitted, &mut known)).ok()?;
+        let study = plain.corrected(fine, (&at.fitted, &mut known)).ok()?;
         known = known.factors();
         // Where the correction was found the error is that on the fine grid itself.
         let now = excess(study.error(&at.fitted, &study.training).ratio());
