@@ -406,13 +406,16 @@ impl Search<'_> {
             contact.error(&setting.law) > SERIES_OPEN
                 && contact.cost(&setting.law) > SERIES_BEYOND * contact.count() as f64
         };
-        let judges = !self.unresolved && as_declared(setting);
-        judges && self.study.series.par_iter().any(|(_, contact)| beyond(contact))
+        self.series_judge(setting) && self.study.series.par_iter().any(|(_, contact)| beyond(contact))
     }
 
     fn series_open(&self, model: &Explained) -> bool {
-        let judges = !self.unresolved && as_declared(&model.fitted.setting);
-        judges && self.series_error(model) > SERIES_OPEN
+        self.series_judge(&model.fitted.setting) && self.series_error(model) > SERIES_OPEN
+    }
+
+    /// Whether the force recovered of runs without a period says anything of the law of a setting: it was recovered with the declared structure.
+    fn series_judge(&self, setting: &Setting) -> bool {
+        !self.unresolved && as_declared(setting)
     }
 
     /// The declared model from the law of the one that explains, where that ends far better than it did: it had come to rest in

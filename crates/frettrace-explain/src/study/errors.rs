@@ -251,6 +251,11 @@ impl Study<'_> {
         runs.iter().zip(predictions).map(of_run).collect()
     }
 
+    /// Error over noise of the runs held out; 1 where there are none.
+    pub(crate) fn held_out_ratio(&self, fitted: &Fitted) -> f64 {
+        if self.held_out.is_empty() { 1.0 } else { self.error(fitted, &self.held_out).ratio() }
+    }
+
     /// Error of the selected runs together.
     #[must_use]
     pub fn error(&self, fitted: &Fitted, selected: &[usize]) -> RunError {

@@ -15,10 +15,10 @@ const MOST_RIGID_LINES: usize = 256;
 const FINEST_LINES: usize = 1536;
 /// Doublings of the lines of contact force to the grid that predictions are corrected to.
 pub(crate) const FINEST_DOUBLINGS: u32 = 3;
-/// Share of the difference between the predictions of two grids, one twice as fine as the other, that the finer one leaves.
-const GRID_LEFT: f64 = 0.5;
 /// By what twice the lines divide the error of a grid.
 const DIVIDED: f64 = 3.0;
+/// Share of the difference between the predictions of two grids, one twice as fine as the other, that the finer one leaves.
+const GRID_LEFT: f64 = 1.0 / (DIVIDED - 1.0);
 /// χ² per residual by which a grid that cuts the contact's force short may miss a run: a tenth of the variance.
 const CUT_SHORT: f64 = 0.1;
 /// Most samples of the phase grid.

@@ -250,8 +250,7 @@ impl<'a> Begun<'a> {
 impl Search<'_> {
     /// Error over noise of the runs held out; 1 where there are none.
     pub(super) fn held_out_ratio(&self, model: &Explained) -> f64 {
-        let held_out = &self.study.held_out;
-        if held_out.is_empty() { 1.0 } else { self.study.error(&model.fitted, held_out).ratio() }
+        self.study.held_out_ratio(&model.fitted)
     }
 }
 

@@ -94,10 +94,8 @@ impl<'a> Search<'a> {
         }
         let found = on_corrected(&self.study, (current, current), &before);
         let follows = |(study, better): &(Study<'_>, Explained)| {
-            let held_out = &study.held_out;
-            let followed =
-                held_out.is_empty() || study.error(&better.fitted, held_out).ratio() <= CONTRADICTED;
-            better.complete() && better.left().is_noise() && followed
+            let noise_alone = better.complete() && better.left().is_noise();
+            noise_alone && study.held_out_ratio(&better.fitted) <= CONTRADICTED
         };
         if found.as_ref().is_some_and(follows) {
             return found;
