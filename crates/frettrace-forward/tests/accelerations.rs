@@ -271,6 +271,31 @@ fn a_stop_feels_where_friction_holds_the_beam() {
     assert!(error(&free, &wider) > 1e-2, "{:e}", error(&free, &wider));
 }
 
+/// A stop on one side, touched or pressed before anything moves, presses back with a mean that no accelerometer sees: from accelerations that were
+/// read, a balance begins with that mean and comes to the motion that was read. From no mean it came to no balance.
+#[test]
+fn a_balance_begins_with_what_its_stop_answers() {
+    let model = model();
+    for (stiffness, gap) in [(3e8, -1e-5), (3e8, -4e-5), (1e9, 1e-6), (1e9, 0.0)] {
+        let place = PortPlace::At(0.31);
+        let port = Port { place, law: PortLaw::Round, coefficients: [stiffness, gap, 0.0, 1.0] };
+        let setting = Setting { ports: vec![port], ..setting() };
+        // The motion by a way of its own: the stop is made stiffer step by step.
+        let (mut memory, mut known) = (model.memory(), Vec::new());
+        for step in 0..=20 {
+            let mut softer = setting.clone();
+            softer.ports[0].coefficients[0] *= f64::from(step) / 20.0;
+            known = model.approach(&softer, &[0, 1], &mut memory).unwrap();
+        }
+        let mut runs = model.runs.clone();
+        runs.iter_mut().zip(&known).for_each(|(run, read)| run.acceleration.clone_from(read));
+        let read = model.with_runs(runs).unwrap();
+        let found = read.predict(&setting, &[0, 1], &mut read.memory()).unwrap();
+        let error = size(&difference(&found, &known, 1.0)) / size(&known);
+        assert!(error < 1e-8, "{error:e}");
+    }
+}
+
 /// A channel with a low pass reads `1/√2` of a line at its corner, an eighth of a period late.
 #[test]
 fn a_low_pass_has_its_corner() {

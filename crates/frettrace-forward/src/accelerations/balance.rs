@@ -172,8 +172,9 @@ fn beside_force(change: &mut Prediction, balance: &Balance, deviation: &[Vec<f64
     }
 }
 
-/// Force harmonics of all ports from the accelerations, for a start of the full balance; a line within three standard
-/// deviations of nothing starts from 0.
+/// Force harmonics of the contact and of all ports from the accelerations, for a start of the full balance. A line within three standard
+/// deviations of nothing starts from 0, and so does the mean, which no accelerometer sees: on ports both are what their laws answer to the
+/// recovered motion. A stop has a mean, and without it a balance may come to another motion than the one that was measured.
 pub(super) fn recover(e: &Evaluation<'_>) -> Vec<f64> {
     let width = 2 * e.order() + 1;
     let mut out = vec![0.0; e.width()];
@@ -189,6 +190,9 @@ pub(super) fn recover(e: &Evaluation<'_>) -> Vec<f64> {
         }
         store(&lines, out);
     }
+    if e.layout.ports > 0 {
+        settle_ports(e, &found, &mut out);
+    }
     out
 }
 
@@ -199,10 +203,10 @@ fn beside_ports(e: &Evaluation<'_>) -> Balance {
     fit_lines(e, &vec![0.0; e.width()], &Free { beside, moving: &[] })
 }
 
-/// Completes recovered forces by what the laws of the ports answer to the recovered motion: their means, and the lines that hold nothing.
-pub(super) fn settle_ports(e: &Evaluation<'_>, forces: &mut [f64]) {
+/// Completes forces that were recovered by what the laws of the ports answer to the motion that was.
+fn settle_ports(e: &Evaluation<'_>, found: &Balance, forces: &mut [f64]) {
     let mut answered = vec![0.0; e.width()];
-    answer_once(e, &beside_ports(e), (&mut answered, 1.0));
+    answer_once(e, found, (&mut answered, 1.0));
     let width = 2 * e.order() + 1;
     for (forces, answered) in forces.chunks_mut(width).zip(answered.chunks(width)).skip(1) {
         for (force, answer) in forces.iter_mut().zip(answered).filter(|(force, _)| **force == 0.0) {

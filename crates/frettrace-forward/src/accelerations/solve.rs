@@ -1,6 +1,6 @@
 //! The contact forces of one run: Newton's method on `f − Φ(R_e F_e − R f) = 0`.
 
-use super::balance::{recover, settle_ports};
+use super::balance::recover;
 use super::factor::Factor;
 use super::krylov::{self, inner};
 use super::linear::Tangent;
@@ -132,8 +132,8 @@ const NEIGHBOURS: usize = 3;
 
 /// As [`solve`]; where that fails, from the solutions of other runs, and from the recovered forces `f0` by Newton's homotopy: the
 /// imbalance `F` is brought from `F(f0)` to nothing along `F(f) = (1 − λ) F(f0)`, each solution the start of the next. Dear:
-/// for first solutions only. What presses on ports has a mean that no accelerometer sees and their laws do: where that is large, as where a stop is
-/// preloaded, nothing leads from the recovered forces to the balance, and the means that the laws answer with are where it begins.
+/// for first solutions only. Where what is kept of a rig with ports leads nowhere, the recovered forces with what the laws of the ports answer to them may
+/// lead to the balance in one go.
 pub(super) fn approach<'a>(
     e: &Evaluation<'_>,
     kept: &mut RunMemory,
@@ -160,7 +160,6 @@ pub(super) fn approach<'a>(
         return Err(left);
     }
     begun_anew(kept);
-    settle_ports(e, &mut kept.unknowns);
     newton(&balanced, kept, (tolerance, PATIENCE))
 }
 
