@@ -178,8 +178,7 @@ impl Study<'_> {
         let unknowns = merge(law_unknowns, &added);
         let sizes = [self.scales.preload, self.fastest(recovered)];
         let (hooks, parameters) = Unknown::hooks(&unknowns, (&law, setting.rigid), sizes);
-        let modulated = law.get(Hook::ModulationCosine).is_some() && !form.changes.is_empty();
-        let modulation = if modulated { form.modulation } else { setting.modulation };
+        let modulation = form.modulation.unwrap_or(setting.modulation);
         let law = from.map_or(law, |begun| begun.law);
         let problem = ContactProblem::new(recovered, (law, modulation), (hooks, parameters));
         let means = from.map_or_else(Vec::new, |begun| problem.means_from(&begun.means));

@@ -105,6 +105,16 @@ impl Explained {
         self.added.get(first..first + count).unwrap_or_default()
     }
 
+    /// Adds unknowns to those that the effect of the given place in the list brought; to the last one's where they are not booked yet.
+    pub(crate) fn bring(&mut self, place: usize, unknowns: Vec<Unknown>) {
+        let mut end = self.added.len();
+        if let Some(count) = self.counts.get_mut(place) {
+            *count += unknowns.len();
+            end = self.counts.iter().take(place + 1).sum::<usize>() - unknowns.len();
+        }
+        self.added.splice(end..end, unknowns);
+    }
+
     /// By how much its criterion is below that of another model. Runs without a period that do not judge it, because it has more than a law
     /// that differs, are no evidence for it.
     pub(crate) fn gain(&self, over: &Self) -> f64 {

@@ -231,7 +231,8 @@ impl Search<'_> {
         let mended = current.effects.len() > 1 && self.shows_nothing(&current);
         if current.complete() && !mended {
             let named = !current.effects.is_empty();
-            return Ok(self.sharpened_among(current, |left| !named || left.is_near_noise()));
+            let sharp = self.sharpened_among(current, |left| !named || left.is_near_noise());
+            return Ok(self.study.without_shapes(sharp));
         }
         let sufficient = current.sufficient(baseline);
         let Some((one, rivals)) = single else { return Ok(current) };

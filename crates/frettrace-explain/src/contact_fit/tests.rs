@@ -83,8 +83,11 @@ fn derivatives_are_those_of_differences() {
                 let mean = law.depends_on_place().then_some(4e-6);
                 let values: Vec<f64> = hooks.iter().filter_map(|h| law.get(*h)).chain(mean).collect();
                 let free = vec![true; values.len()];
-                let problem =
-                    ContactProblem::new(&recovered, (law, form.modulation), (hooks.clone(), Vec::new()));
+                let problem = ContactProblem::new(
+                    &recovered,
+                    (law, form.modulation.unwrap_or(FrequencyRatio::ONE)),
+                    (hooks.clone(), Vec::new()),
+                );
                 let rows = problem.residual_count();
                 let mut residual = vec![0.0; rows];
                 let mut jacobian = DMatrix::zeros(rows, values.len());

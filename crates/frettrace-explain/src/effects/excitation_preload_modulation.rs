@@ -46,7 +46,7 @@ impl Effect for ExcitationPreloadModulation {
                 // Another wave of the same phase: up to one that jumps from one level to the other.
                 let steep = Change::between(Hook::ModulationSteepness, 1.0, (0.05, 20.0));
                 let steep = sine.iter().cloned().chain([steep]).collect();
-                [sine, steep].map(|changes| ContactForm { changes, modulation })
+                [sine, steep].map(|changes| ContactForm { changes, modulation: Some(modulation) })
             })
             .collect()
     }
@@ -66,5 +66,31 @@ impl Effect for ExcitationPreloadModulation {
         ]
         .map(|hook| Change::linear(hook, 0.0, 0.05, (-1.5, 1.5)))
         .into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Scales;
+    use crate::effects::ALL;
+    use frettrace_friction::effects::{Hook, ModifiedLaw};
+
+    /// A preload that is modulated stays so with the frequency that was found, whatever else is asked beside it: only a form that modulates has one.
+    #[test]
+    fn no_other_form_has_a_frequency_of_modulation() {
+        let scales = Scales { slip: 2e-5, velocity: 4e-3, period: 0.05, subharmonic: 2, ..Scales::default() };
+        let mut modulated = ModifiedLaw::dahl(1e5, 0.3);
+        modulated.set(Hook::ModulationCosine, 0.2);
+        modulated.set(Hook::ModulationSine, 0.0);
+        let forms = ALL.iter().flat_map(|effect| effect.contact_forms(&modulated, &scales));
+        let (mut with, mut without) = (0, 0);
+        for form in forms {
+            let modulates = form.changes.iter().any(|change| change.hook == Hook::ModulationCosine);
+            assert_eq!(form.modulation.is_some(), modulates, "{:?}", form.formula());
+            if modulates { with += 1 } else { without += 1 }
+        }
+        // Half the frequency, itself, its double and triple, each as a sine and steep.
+        assert_eq!(with, 8);
+        assert!(without > 40, "{without}");
     }
 }

@@ -10,6 +10,9 @@ use super::{Change, ContactForm, Effect, EffectPlace, known};
 use crate::Scales;
 use frettrace_friction::effects::{Hook, ModifiedLaw};
 
+/// Velocity in which damping that did not fade begins to, over the largest of a run: beside that it is as it was.
+const BEYOND: f64 = 3.0;
+
 pub(super) struct FrictionPreslidingDamping;
 
 impl Effect for FrictionPreslidingDamping {
@@ -53,10 +56,14 @@ impl Effect for FrictionPreslidingDamping {
         ]
     }
 
-    fn shape(&self, law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {
+    fn shape(&self, law: &ModifiedLaw<f64>, scales: &Scales) -> Vec<Change> {
         let rational = Change::linear(Hook::DampingRational, 0.0, 0.3, (0.0, 1.0));
         let stuck = Change::linear(Hook::DampingStuck, 0.0, 0.3, (0.0, 1.0));
         let power = Change::between(Hook::DampingPower, 2.0, (0.5, 6.0));
-        if known(law, &[Hook::DampingVelocity]) { vec![rational, power, stuck] } else { vec![stuck] }
+        if known(law, &[Hook::DampingVelocity]) {
+            vec![rational, power, stuck]
+        } else {
+            vec![stuck, Change::positive(Hook::DampingVelocity, BEYOND * scales.velocity, 1e-3)]
+        }
     }
 }

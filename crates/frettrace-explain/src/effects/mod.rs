@@ -148,13 +148,13 @@ pub(crate) fn set_by_forms(
 #[derive(Clone, Debug)]
 pub(crate) struct ContactForm {
     pub changes: Vec<Change>,
-    /// Frequency with which the preload is modulated.
-    pub modulation: FrequencyRatio,
+    /// Frequency with which the preload is modulated, of a form that modulates it; beside any other it is as it was.
+    pub modulation: Option<FrequencyRatio>,
 }
 
 impl ContactForm {
     pub fn new(changes: Vec<Change>) -> Self {
-        Self { changes, modulation: FrequencyRatio::ONE }
+        Self { changes, modulation: None }
     }
 
     /// Which formula it is, whatever it begins from: the hooks that it changes.

@@ -51,18 +51,17 @@ impl Study<'_> {
     /// # Errors
     /// [`ExplainError::Model`] where the grid cannot carry the lines.
     pub fn refined(&self) -> Result<Option<Self>, ExplainError> {
-        if self.fine.is_some() {
+        let mut runs = self.model.runs.clone();
+        let coarse: Vec<usize> = (0..runs.len()).filter(|run| self.doublings(*run) > 0).collect();
+        if coarse.is_empty() {
             return Ok(None);
         }
-        let mut runs = self.model.runs.clone();
-        let mut finer = false;
-        for run in runs.iter_mut().filter(|run| 2 * run.contact_order <= FINEST_LINES) {
+        for run in coarse {
+            let run = &mut runs[run];
             run.contact_order *= 2;
             run.samples = (2 * run.samples).min(FINEST_SAMPLES);
-            finer = true;
         }
-        let model = self.model.with_runs(runs)?;
-        Ok(finer.then(|| self.of_model(model)))
+        Ok(Some(self.of_model(self.model.with_runs(runs)?)))
     }
 
     /// The same with twice the lines of contact force in the runs alone whose predictions on such a grid differ by more than a tenth
@@ -186,25 +185,29 @@ impl Study<'_> {
     pub(crate) fn grid_doubts(&self, fitted: &Fitted) -> Vec<(usize, f64)> {
         let mut doubted = self.clone();
         let told = doubted.doubt_grid(fitted).unwrap_or_default();
-        let doubt = |run: usize| {
-            let known = self.case.records[run].lines.deviation.iter().flatten();
-            let parts = doubted.model.runs[run].deviation.iter().flatten().zip(known);
-            let (sum, count) = parts.fold((0.0, 0_usize), |(sum, count), (std, known)| {
-                (sum + (std / known).powi(2) - 1.0, count + 1)
-            });
-            (sum / count.max(1) as f64).sqrt()
-        };
-        told.into_iter().map(|run| (run, doubt(run))).collect()
+        told.into_iter().map(|run| (run, doubted.doubt(run))).collect()
     }
 
-    /// Whether what the finest grid that a balance gets may be wrong by is more than [`NEAR`] times the noise in every run: no law can be told in any of
-    /// them.
-    pub(crate) fn resolves_nothing(&self, fitted: &Fitted) -> bool {
-        let doubts = self.grid_doubts(fitted).into_iter();
-        are_beyond_all(&doubts.map(|(run, doubt)| (doubt, self.doublings(run))).collect::<Vec<_>>())
+    /// The same study with the error of its phase grid among the deviations of the lines, where what the finest grid that a balance gets may be wrong by is
+    /// more than [`NEAR`] times the noise in every run: no law can be told in any of them.
+    pub(crate) fn beyond_all_grids(&self, fitted: &Fitted) -> Option<Self> {
+        let mut doubted = self.clone();
+        let told = doubted.doubt_grid(fitted).ok()?;
+        let doubts: Vec<_> = told.into_iter().map(|run| (doubted.doubt(run), self.doublings(run))).collect();
+        are_beyond_all(&doubts).then_some(doubted)
     }
 
-    /// Doublings of the lines of contact force that a run may still get.
+    /// By how much the deviations of a run's lines are beyond the noise, in units of it, in their root mean square.
+    fn doubt(&self, run: usize) -> f64 {
+        let known = self.case.records[run].lines.deviation.iter().flatten();
+        let parts = self.model.runs[run].deviation.iter().flatten().zip(known);
+        let (sum, count) = parts.fold((0.0, 0_usize), |(sum, count), (std, known)| {
+            (sum + (std / known).powi(2) - 1.0, count + 1)
+        });
+        (sum / count.max(1) as f64).sqrt()
+    }
+
+    /// Doublings of the lines of contact force that a run may still get: none where the predictions are those of a finer grid already.
     fn doublings(&self, run: usize) -> u32 {
         let most = FINEST_LINES / self.model.runs[run].contact_order.max(1);
         if self.fine.is_some() { 0 } else { most.max(1).ilog2().min(FINEST_DOUBLINGS) }

@@ -6,7 +6,7 @@ use crate::left::LeftLines;
 use crate::search::{Explained, NEAR, excess};
 use crate::study::FINEST_DOUBLINGS;
 use crate::{Study, Unknown};
-use frettrace_forward::accelerations::{AccelerationModel, Setting};
+use frettrace_forward::accelerations::{AccelerationModel, Quantity, Setting};
 use std::sync::Arc;
 
 /// A model near the data is fitted further, and on a finer grid, before it is judged, and so is one that leaves no more than this share of the excess
@@ -117,11 +117,7 @@ impl<'a> Search<'a> {
     /// A declared model of a rigid contact with the error of its phase grid among the deviations of the lines, where no grid that a balance gets resolves any
     /// of its runs and it leaves no more than that: what finer grids would cost tells nothing.
     fn beyond_all_grids(&mut self, model: &Explained) -> Option<Explained> {
-        if !self.study.resolves_nothing(&model.fitted) {
-            return None;
-        }
-        let mut study = self.study.clone();
-        study.doubt_grid(&model.fitted).ok()?;
+        let study = self.study.beyond_all_grids(&model.fitted)?;
         let as_it_is = study.judged(model.fitted.clone(), Vec::new(), Vec::new());
         let fitted = study.polished(&as_it_is).ok().into_iter().chain([as_it_is]);
         let within = fitted.filter(|one| one.left().is_noise()).min_by(|a, b| a.ratio.total_cmp(&b.ratio))?;
@@ -266,22 +262,71 @@ impl<'a> Search<'a> {
 }
 
 impl Study<'_> {
-    /// A model with the further values of its last effect's shape; `None` where these explain nothing.
+    /// A model with the further values of its last effect's shape, and, where it is not complete, of the effects before that: alone these were given the form
+    /// that did best without it. `None` where they explain nothing.
     pub(super) fn with_shape(&self, current: &Explained) -> Option<Explained> {
-        let &effect = current.effects.last()?;
+        let last = current.effects.len().checked_sub(1)?;
+        let mut best = self.with_shape_of(current, last);
+        // Those of a model that is not booked yet are not known.
+        let earlier = if current.counts.len() > last { last } else { 0 };
+        for place in (0..earlier).rev() {
+            let model = best.as_ref().unwrap_or(current);
+            if model.complete() {
+                break;
+            }
+            best = self.with_shape_of(model, place).or(best);
+        }
+        best
+    }
+
+    /// A complete model without the further values of its effects' shapes, where it is complete without them and they cost more than they explain: they may have
+    /// been given before the other effects were there, or in their forms. A single effect's were given beside all that there is.
+    pub(super) fn without_shapes(&self, mut model: Explained) -> Explained {
+        if model.effects.len() < 2 {
+            return model;
+        }
+        for place in 0..model.effects.len() {
+            let plain = self.without_shape_of(&model, place);
+            let stands = |plain: &Explained| plain.complete() && plain.criterion < model.criterion;
+            if let Some(plain) = plain.filter(stands) {
+                model = plain;
+            }
+        }
+        model
+    }
+
+    fn without_shape_of(&self, model: &Explained, place: usize) -> Option<Explained> {
+        let mut plain = model.clone();
+        let changes = ALL[model.effects[place]].shape(&model.fitted.setting.law, &self.scales);
+        let is_further = |u: &Unknown| changes.iter().any(|change| u.quantity == Quantity::Law(change.hook));
+        let (further, own): (Vec<Unknown>, Vec<Unknown>) =
+            model.own(place).iter().cloned().partition(is_further);
+        if further.is_empty() || own.is_empty() {
+            return None;
+        }
+        further.iter().for_each(|unknown| {
+            plain.fitted.setting.clear(unknown.quantity);
+        });
+        plain.added.retain(|unknown| further.iter().all(|u| u.quantity != unknown.quantity));
+        plain.counts[place] -= further.len();
+        self.polished(&plain).ok()
+    }
+
+    /// A model with the further values of the shape of its effect of the given place in the list.
+    fn with_shape_of(&self, current: &Explained, place: usize) -> Option<Explained> {
+        let effect = current.effects[place];
         let mut richer = current.clone();
         let setting = &mut richer.fitted.setting;
-        let terms = ALL[effect].further_terms(self.case, setting, &self.scales);
         let is_new = |unknown: &Unknown| current.added.iter().all(|u| u.quantity != unknown.quantity);
+        let is_last = place + 1 == current.effects.len();
+        let terms =
+            if is_last { ALL[effect].further_terms(self.case, setting, &self.scales) } else { Vec::new() };
         let mut brought = shaped(effect, &mut setting.law, &current.added, &self.scales);
         brought.extend(terms.into_iter().filter(is_new));
         if brought.is_empty() {
             return None;
         }
-        richer.added.extend(brought);
-        if let Some(count) = richer.counts.last_mut() {
-            *count += richer.added.len() - current.added.len();
-        }
+        richer.bring(place, brought);
         self.polished(&richer).ok().filter(|better| better.criterion + EVIDENCE < current.criterion)
     }
 }
