@@ -132,14 +132,15 @@ const NEIGHBOURS: usize = 3;
 
 /// As [`solve`]; where that fails, from the solutions of other runs, and from the recovered forces `f0` by Newton's homotopy: the
 /// imbalance `F` is brought from `F(f0)` to nothing along `F(f) = (1 − λ) F(f0)`, each solution the start of the next. Dear:
-/// for first solutions only. Where what is kept of a rig with ports leads nowhere, the recovered forces with what the laws of the ports answer to them may
-/// lead to the balance in one go.
+/// for first solutions only. Where the solution that was kept of a rig with ports leads nowhere, the recovered forces with what the laws of the ports answer to
+/// them may lead to the balance in one go; without one, that was tried first.
 pub(super) fn approach<'a>(
     e: &Evaluation<'_>,
     kept: &mut RunMemory,
     (others, tolerance): (impl Iterator<Item = &'a RunMemory>, f64),
 ) -> Result<(), f64> {
     let mean = kept.unknowns.first().copied();
+    let came_solved = kept.unknowns.len() == e.width();
     if solve(e, kept, tolerance).is_ok() {
         return Ok(());
     }
@@ -156,7 +157,7 @@ pub(super) fn approach<'a>(
     };
     begun_anew(kept);
     let Err(left) = along_homotopy(e, kept, tolerance) else { return Ok(()) };
-    if e.layout.ports == 0 {
+    if e.layout.ports == 0 || !came_solved {
         return Err(left);
     }
     begun_anew(kept);
