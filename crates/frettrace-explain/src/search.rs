@@ -115,6 +115,29 @@ impl Explained {
         self.added.splice(end..end, unknowns);
     }
 
+    /// The model, not fitted again, without some of the unknowns that the effect of the given place in the list brought: their values are taken out
+    /// of the setting where no other effect and none of `declared` has them. `None` where one of them cannot be.
+    pub(crate) fn without(
+        &self,
+        place: usize,
+        is_taken: impl Fn(&Unknown) -> bool,
+        declared: &[Unknown],
+    ) -> Option<Self> {
+        let mut reduced = self.clone();
+        let (taken, kept): (Vec<_>, Vec<_>) = self.own(place).iter().cloned().partition(is_taken);
+        let first: usize = self.counts.iter().take(place).sum();
+        *reduced.counts.get_mut(place)? = kept.len();
+        reduced.added.splice(first..first + taken.len() + kept.len(), kept);
+        // A port is known by its place among the ports: the last ones go first.
+        for Unknown { quantity, .. } in taken.iter().rev() {
+            let remains = reduced.added.iter().chain(declared).any(|u| u.quantity == *quantity);
+            if !remains && !reduced.fitted.setting.clear(*quantity) {
+                return None;
+            }
+        }
+        Some(reduced)
+    }
+
     /// By how much its criterion is below that of another model. Runs without a period that do not judge it, because it has more than a law
     /// that differs, are no evidence for it.
     pub(crate) fn gain(&self, over: &Self) -> f64 {
@@ -299,24 +322,12 @@ impl Study<'_> {
 
     /// A model that was not fitted again without its effect of the given place in the list.
     fn taken_out(&self, from: &Explained, place: usize) -> Option<Explained> {
-        let declared = self.case.unknowns();
-        let others = |k: &usize| *k != place;
-        let added: Vec<Unknown> =
-            (0..from.effects.len()).filter(others).flat_map(|k| from.own(k).to_vec()).collect();
-        let mut reduced = from.clone();
-        // A port is known by its place among the ports: the last ones go first.
-        for Unknown { quantity, .. } in from.own(place).iter().rev() {
-            let remains = added.iter().chain(&declared).any(|u| u.quantity == *quantity);
-            if !remains && !reduced.fitted.setting.clear(*quantity) {
-                return None;
-            }
-        }
+        let mut reduced = from.without(place, |_| true, &self.case.unknowns())?;
         let law = &mut reduced.fitted.setting.law;
         set_by_forms(from.effects[place], &law.clone(), &self.scales).for_each(|hook| law.clear(hook));
         if breaks_away(&reduced.fitted.setting).is_none() {
             reduced.fitted.setting.deflections.clear();
         }
-        reduced.added = added;
         reduced.effects.remove(place);
         reduced.sensors.remove(place);
         reduced.counts.remove(place);

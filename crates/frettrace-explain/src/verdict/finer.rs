@@ -296,19 +296,13 @@ impl Study<'_> {
     }
 
     fn without_shape_of(&self, model: &Explained, place: usize) -> Option<Explained> {
-        let mut plain = model.clone();
         let changes = ALL[model.effects[place]].shape(&model.fitted.setting.law, &self.scales);
         let is_further = |u: &Unknown| changes.iter().any(|change| u.quantity == Quantity::Law(change.hook));
-        let (further, own): (Vec<Unknown>, Vec<Unknown>) =
-            model.own(place).iter().cloned().partition(is_further);
-        if further.is_empty() || own.is_empty() {
+        let plain = model.without(place, is_further, &self.case.unknowns())?;
+        let left = plain.own(place).len();
+        if left == 0 || left == model.own(place).len() {
             return None;
         }
-        further.iter().for_each(|unknown| {
-            plain.fitted.setting.clear(unknown.quantity);
-        });
-        plain.added.retain(|unknown| further.iter().all(|u| u.quantity != unknown.quantity));
-        plain.counts[place] -= further.len();
         self.polished(&plain).ok()
     }
 

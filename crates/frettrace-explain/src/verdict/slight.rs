@@ -66,6 +66,10 @@ impl Search<'_> {
     pub(super) fn by_loose_modes(&self, declared: &Explained, start: Setting) -> Option<Explained> {
         strained(declared).next()?;
         let case = self.study.case.loosened();
+        // Where no mode is known that well, that is what was fitted.
+        if case.unknowns() == self.study.case.unknowns() {
+            return None;
+        }
         let mut loose = Search::new(Study { case: &case, ..self.study.clone() });
         // What no mode closes is none.
         if loose.is_open(declared) {
