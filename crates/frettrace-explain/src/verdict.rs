@@ -6,7 +6,7 @@ use crate::series_fit::SeriesContact;
 use crate::study::as_declared;
 use crate::{ExplainError, RunError, Study, Unknown};
 use frettrace_forward::accelerations::Setting;
-use frettrace_friction::effects::ModifiedLaw;
+use frettrace_friction::effects::{Hook, ModifiedLaw};
 use rayon::prelude::*;
 
 mod asked_again;
@@ -134,6 +134,8 @@ struct Search<'a> {
     /// Errors of the declared model: training runs, then held-out runs where there are any.
     before: Vec<RunError>,
     tried: Vec<Tried>,
+    /// Effects that the whole model was fitted with, and what each changed of the law.
+    fitted_with: Vec<(usize, Vec<Hook>)>,
     /// Effects that the whole model had no answer with, and why.
     refused: Vec<(usize, String)>,
     /// Models beside the best one.
@@ -166,6 +168,7 @@ impl<'a> Search<'a> {
             recovered_law: None,
             before: Vec::new(),
             tried: Vec::new(),
+            fitted_with: Vec::new(),
             refused: Vec::new(),
             rivals: Vec::new(),
             runners_up: Vec::new(),

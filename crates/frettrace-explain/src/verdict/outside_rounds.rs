@@ -12,6 +12,7 @@ use crate::search::{Asked, Explained, NEAR};
 use crate::study::merge;
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::{Beside, Memory, Port, PortLaw, PortPlace, Quantity, Setting};
+use frettrace_friction::effects::Hook;
 use rayon::prelude::*;
 
 /// Effects outside the contact that are re-fitted with the whole model, and how many where more of them close the balance.
@@ -136,26 +137,29 @@ impl Search<'_> {
         self.answered(asked)
     }
 
-    /// Forms of the effects of the contact that may hide in the structure, of those that no whole model was asked with yet. None does where no contact force
-    /// closes the balance, nor where the law misses the recovered contacts by far, which were recovered with what the structure leaves open: these show then
-    /// what is missing. Those of a rigid contact do not tell.
+    /// Forms of the effects of the contact that may hide in the structure, of those that no whole model was fitted with yet: of an effect that was, the recovered
+    /// contacts chose the form, and where it hides from them they choose any; a spring beside a rigid contact has no stiffness of that to hide in. None does
+    /// where no contact force closes the balance, nor where the law misses the recovered contacts by far, which were recovered with what the structure
+    /// leaves open: these show then what is missing. Those of a rigid contact do not tell.
     fn like_a_structure(&self, current: &Explained) -> Vec<(usize, ContactForm)> {
         let setting = &current.fitted.setting;
         let shown = || !setting.rigid && self.recovered(current).is_ok_and(|on| on.reduced > TRACELESS);
         if !self.closed(setting) || shown() {
             return Vec::new();
         }
-        let is_new = |effect: &usize| {
-            let id = ALL[*effect].id();
-            let known = self.tried.iter().any(|tried| tried.id == id && tried.error.is_finite());
-            !known && !current.effects.contains(effect) && self.study.case.allows(id)
+        let may_hide =
+            |effect: &usize| !current.effects.contains(effect) && self.study.case.allows(ALL[*effect].id());
+        let effects = LIKE_A_STRUCTURE.iter().filter_map(|id| listed(id)).filter(may_hide);
+        let is_new = |(effect, form): &(usize, ContactForm)| {
+            let has_all =
+                |hooks: &[Hook]| setting.rigid || form.formula().iter().all(|hook| hooks.contains(hook));
+            !self.fitted_with.iter().any(|(fitted, hooks)| fitted == effect && has_all(hooks))
         };
-        let effects = LIKE_A_STRUCTURE.iter().filter_map(|id| listed(id)).filter(is_new);
         let forms = |effect: usize| {
             let forms = ALL[effect].contact_forms(&setting.law, &self.study.scales);
             forms.into_iter().map(move |form| (effect, form))
         };
-        effects.flat_map(forms).collect()
+        effects.flat_map(forms).filter(is_new).collect()
     }
 
     /// Damping of a place by the square of the velocity with any power about it, and a cubic spring there with a yield, where that explains
