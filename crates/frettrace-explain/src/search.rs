@@ -117,7 +117,7 @@ impl Explained {
 
     /// The model, not fitted again, without some of the unknowns that the effect of the given place in the list brought: their values are taken out
     /// of the setting where no other effect and none of `declared` has them. `None` where one of them cannot be.
-    pub(crate) fn without(
+    pub(crate) fn giving_back(
         &self,
         place: usize,
         is_taken: impl Fn(&Unknown) -> bool,
@@ -322,7 +322,7 @@ impl Study<'_> {
 
     /// A model that was not fitted again without its effect of the given place in the list.
     fn taken_out(&self, from: &Explained, place: usize) -> Option<Explained> {
-        let mut reduced = from.without(place, |_| true, &self.case.unknowns())?;
+        let mut reduced = from.giving_back(place, |_| true, &self.case.unknowns())?;
         let law = &mut reduced.fitted.setting.law;
         set_by_forms(from.effects[place], &law.clone(), &self.scales).for_each(|hook| law.clear(hook));
         if breaks_away(&reduced.fitted.setting).is_none() {

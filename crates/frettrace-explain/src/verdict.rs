@@ -5,8 +5,8 @@ use crate::search::{Asked, Explained};
 use crate::series_fit::SeriesContact;
 use crate::study::as_declared;
 use crate::{ExplainError, RunError, Study, Unknown};
-use frettrace_forward::accelerations::Setting;
-use frettrace_friction::effects::{Hook, ModifiedLaw};
+use frettrace_forward::accelerations::{Quantity, Setting};
+use frettrace_friction::effects::ModifiedLaw;
 use rayon::prelude::*;
 
 mod asked_again;
@@ -134,8 +134,8 @@ struct Search<'a> {
     /// Errors of the declared model: training runs, then held-out runs where there are any.
     before: Vec<RunError>,
     tried: Vec<Tried>,
-    /// Effects that the whole model was fitted with, and what each changed of the law.
-    fitted_with: Vec<(usize, Vec<Hook>)>,
+    /// Effects that the whole model was fitted with, and what each brought.
+    fitted_with: Vec<(usize, Vec<Quantity>)>,
     /// Effects that the whole model had no answer with, and why.
     refused: Vec<(usize, String)>,
     /// Models beside the best one.

@@ -75,12 +75,8 @@ impl Search<'_> {
             let error = self.study.error(&one.fitted, &self.study.training).relative();
             let evidence = current.criterion - one.criterion;
             let id = ALL[effect].id();
-            let brought = one.added.iter().skip(current.added.len());
-            let hooks = brought.filter_map(|unknown| match unknown.quantity {
-                Quantity::Law(hook) => Some(hook),
-                _ => None,
-            });
-            self.fitted_with.push((effect, hooks.collect()));
+            let brought = one.added.iter().skip(current.added.len()).map(|unknown| unknown.quantity);
+            self.fitted_with.push((effect, brought.collect()));
             self.tried.retain(|t| t.id != id);
             self.tried.push(Tried { id, error, evidence });
         }

@@ -298,7 +298,7 @@ impl Study<'_> {
     fn without_shape_of(&self, model: &Explained, place: usize) -> Option<Explained> {
         let changes = ALL[model.effects[place]].shape(&model.fitted.setting.law, &self.scales);
         let is_further = |u: &Unknown| changes.iter().any(|change| u.quantity == Quantity::Law(change.hook));
-        let plain = model.without(place, is_further, &self.case.unknowns())?;
+        let plain = model.giving_back(place, is_further, &self.case.unknowns())?;
         let left = plain.own(place).len();
         if left == 0 || left == model.own(place).len() {
             return None;

@@ -12,7 +12,6 @@ use crate::search::{Asked, Explained, NEAR};
 use crate::study::merge;
 use crate::{ExplainError, Unknown};
 use frettrace_forward::accelerations::{Beside, Memory, Port, PortLaw, PortPlace, Quantity, Setting};
-use frettrace_friction::effects::Hook;
 use rayon::prelude::*;
 
 /// Effects outside the contact that are re-fitted with the whole model, and how many where more of them close the balance.
@@ -151,9 +150,13 @@ impl Search<'_> {
             |effect: &usize| !current.effects.contains(effect) && self.study.case.allows(ALL[*effect].id());
         let effects = LIKE_A_STRUCTURE.iter().filter_map(|id| listed(id)).filter(may_hide);
         let is_new = |(effect, form): &(usize, ContactForm)| {
-            let has_all =
-                |hooks: &[Hook]| setting.rigid || form.formula().iter().all(|hook| hooks.contains(hook));
-            !self.fitted_with.iter().any(|(fitted, hooks)| fitted == effect && has_all(hooks))
+            let formula: Vec<Quantity> = form.formula().into_iter().map(Quantity::Law).collect();
+            let has_it = |brought: &[Quantity]| formula.iter().all(|quantity| brought.contains(quantity));
+            // Beside a rigid contact one form speaks for all.
+            let was_asked = |(fitted, brought): &(usize, Vec<Quantity>)| {
+                fitted == effect && (setting.rigid || has_it(brought))
+            };
+            !self.fitted_with.iter().any(was_asked)
         };
         let forms = |effect: usize| {
             let forms = ALL[effect].contact_forms(&setting.law, &self.study.scales);
