@@ -1,16 +1,17 @@
 //! The verdict: nothing missing, explained by named effects, or unexplained with a place.
 
+use crate::contact_search::ContactCandidate;
 use crate::effects::{ALL, listed};
 use crate::search::{Asked, Explained};
 use crate::series_fit::SeriesContact;
 use crate::study::as_declared;
 use crate::{ExplainError, RunError, Study, Unknown};
 use frettrace_forward::accelerations::{Quantity, Setting};
-use frettrace_friction::effects::ModifiedLaw;
 use rayon::prelude::*;
 
 mod asked_again;
 mod baseline;
+mod by_contacts;
 mod choice;
 mod contact_rounds;
 mod finer;
@@ -130,7 +131,7 @@ struct Search<'a> {
     /// The study before its grid was made finer, and how often it had been, while it is not settled that the finer one stays.
     coarse: Option<(Study<'a>, usize)>,
     /// The declared law on the contacts recovered with the declared structure.
-    recovered_law: Option<ModifiedLaw<f64>>,
+    on_contacts: Option<ContactCandidate>,
     /// Errors of the declared model: training runs, then held-out runs where there are any.
     before: Vec<RunError>,
     tried: Vec<Tried>,
@@ -165,7 +166,7 @@ impl<'a> Search<'a> {
             most_effects: MOST_EFFECTS,
             lifts_off: false,
             coarse: None,
-            recovered_law: None,
+            on_contacts: None,
             before: Vec::new(),
             tried: Vec::new(),
             fitted_with: Vec::new(),

@@ -73,3 +73,53 @@ fn a_weak_force_on_the_beam_is_told_by_its_law_beside_a_rigid_contact() {
     let [before, after] = over_noise(&found);
     assert!(before > 1.2 && after < 1.03, "{before} {after}");
 }
+
+/// An aluminium beam on a contact of which the last run slides, by 20 micrometres: its Stribeck curve falls by 1.1 N, at most with 2 kN·s/m, and the structure
+/// resists with a quarter of that in the mean of the lines.
+const STEEP: &str = r#"
+title = "a rigid contact whose friction falls steeply"
+seed = 1
+[beam]
+length_m = 0.91868
+width_m = 0.040229
+thickness_m = 0.0105375
+youngs_modulus_pa = 6.8334e10
+density_kg_per_m3 = 2724.2
+[modes]
+damping_ratio = [0.006]
+[support]
+slip = "transverse"
+law = "stribeck"
+[support.parameters]
+mu_k = 0.2495
+mu_s = 0.3728
+v_s_m_per_s = 4.53e-4
+delta = 2.0
+sigma2_n_s_per_m = 129.3
+[exciter]
+position_m = 0.25
+[sensors]
+position_m = [0.12, 0.25, 0.4, 0.55, 0.7, 0.85]
+noise_std_m_per_s2 = 0.01347
+[sampling]
+rate_hz = 5000.0
+samples = 4096
+[[run]]
+frequency_hz = 33.324
+preload_n = 8.5555
+force_amplitude_n = [0.29953, 0.479997, 0.76917, 1.2326, 1.97524, 3.16528, 5.0723, 8.1283]
+"#;
+
+/// With the law of the rig itself no balance of the run that slides has an answer. A fit came to rest at the edge of where one has, with a flatter curve, and
+/// what that left was said to be missing in the contact; the force that was recovered of the run is the law's.
+#[test]
+fn a_contact_whose_friction_falls_steeply_is_judged_by_what_was_recovered_of_it() {
+    let found = explained(measured(STEEP, |_| {}));
+    assert_eq!(found.verdict, Verdict::NothingMissing, "{:?}", found.notes);
+    let [_, after] = over_noise(&found);
+    assert!(after < 1.03, "{after}");
+    // No waveform is compared in the run that slides, and the reader is told so.
+    let runs = [&found.error, found.held_out.as_ref().unwrap()].map(|error| error.runs.clone());
+    assert!(!runs.concat().contains(&"0008".to_owned()), "{runs:?}");
+    assert!(found.notes.iter().any(|note| note.contains("in 1 of 8 runs no balance")), "{:?}", found.notes);
+}

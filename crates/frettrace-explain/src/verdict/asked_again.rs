@@ -25,6 +25,7 @@ pub(super) const LEFT: f64 = 1.005;
 pub(super) struct Begun<'a> {
     search: Search<'a>,
     baseline: Explained,
+    by_contacts: Vec<usize>,
 }
 
 /// A search that is over.
@@ -111,7 +112,10 @@ impl<'a> Begun<'a> {
             baseline = search.further(baseline, lacked);
             search.coarse = None;
         }
-        let told = baseline.complete() || search.is_beyond_all_grids(&baseline);
+        let mut told = baseline.complete() || search.is_beyond_all_grids(&baseline);
+        let by_method = search.within_method(&baseline) || search.foretells_within_grid(&baseline);
+        let by_contacts = if told || by_method { Vec::new() } else { search.told_by_contacts(&baseline) };
+        told |= !by_contacts.is_empty();
         if !told && let Some(better) = search.restarted(&baseline) {
             baseline = better;
         }
@@ -133,7 +137,12 @@ impl<'a> Begun<'a> {
         search.within_method = !baseline.complete()
             && (search.within_method(&baseline) || search.foretells_within_grid(&baseline));
         let baseline = search.study.with_deviations(&baseline);
-        Ok(Self { search, baseline })
+        Ok(Self { search, baseline, by_contacts })
+    }
+
+    /// Runs that no balance answers with the law that their contacts show, which meets these, where the declared model follows all others.
+    pub(super) fn told_by_contacts(&self) -> &[usize] {
+        &self.by_contacts
     }
 
     /// Runs of which waveforms are predicted.
@@ -184,7 +193,7 @@ impl<'a> Begun<'a> {
 
     fn searched(self, split: Split) -> Result<Found<'a>, ExplainError> {
         let begun = self.clone();
-        let Self { mut search, mut baseline } = self;
+        let Self { mut search, mut baseline, .. } = self;
         let followed = baseline.complete() || search.within_method;
         // Where both other splits contradicted it, the declared model lacks something however little shows where it is fitted.
         let settled = followed && !search.series_open(&baseline) && split != Split::One;

@@ -32,7 +32,7 @@ impl Search<'_> {
             // The structure that goes with a law which misses the contacts may be any.
             setting =
                 if base.meets() { base.placed_in(&setting) } else { Setting { law: base.law, ..setting } };
-            self.recovered_law = Some(base.law);
+            self.on_contacts = Some(base);
         }
         // No law closes a balance that is wide open: a few steps show how far the declared model is.
         let wide = self.study.balance_reduced(&setting).0 > BALANCE_WIDE;

@@ -75,7 +75,7 @@ impl Search<'_> {
     /// The contacts recovered with the structure of a model as it was declared, and its law on them.
     pub(super) fn recovered(&self, current: &Explained) -> Result<Arc<Recovered>, ExplainError> {
         // A fit of the whole rig that lacks an effect may have driven the law away from what the contact shows.
-        let other = self.recovered_law.filter(|_| current.effects.is_empty());
+        let other = self.law_on_contacts().filter(|_| current.effects.is_empty());
         self.known.recovered(&self.study, (current, other), || self.recovered_with(current, other))
     }
 

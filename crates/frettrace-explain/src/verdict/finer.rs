@@ -52,8 +52,13 @@ impl<'a> Search<'a> {
             || kinked && !self.is_beyond_grid(&current);
         let most = most_refined(&current);
         // What a finer grid may leave is no reason for another one.
+        let by_contacts = |search: &Self, current: &Explained| {
+            current.effects.is_empty() && !search.told_by_contacts(current).is_empty()
+        };
         let told = |search: &Self, current: &Explained| {
-            current.complete() || kinked && search.refined > 0 && search.tells_all_it_can(current)
+            current.complete()
+                || kinked && search.refined > 0 && search.tells_all_it_can(current)
+                || search.refined >= MOST_REFINED && by_contacts(search, current)
         };
         let worth = near && !outside && !told(self, &current);
         let mut corrects = current.fitted.setting.rigid;

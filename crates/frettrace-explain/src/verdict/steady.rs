@@ -9,6 +9,9 @@
 //! the excitation: what its grid may be wrong by is many times the noise then, and no law can be told in it. The others are asked by
 //! themselves, and what is said is said of them. Where they have no name for what is missing and the finest grid resolves all runs, models that are corrected to
 //! that are asked about all of them.
+//!
+//! One whose friction falls more steeply than the structure resists may have no balance at all with the law that its contacts show
+//! ([`told_by_contacts`](super::by_contacts)): those runs are judged by what was recovered of them, and the others by themselves.
 
 use super::asked_again::{Begun, answer, answer_from};
 use super::{Outcome, Verdict};
@@ -34,6 +37,9 @@ const LEAST_RESOLVED: usize = 2;
 /// [`ExplainError`] where no run is periodic or the model cannot be evaluated at all.
 pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
     let begun = Begun::new(case, Split::First)?;
+    if let Some(found) = beside_told_by_contacts(case, &begun) {
+        return Ok(found);
+    }
     let unresolved = few_unresolved(&begun);
     if let Some(found) = beside_unresolved(case, &begun, &unresolved) {
         if found.verdict == Verdict::Unexplained && begun.are_resolved_by_the_finest(&unresolved) {
@@ -71,6 +77,24 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
         other.verdict == Verdict::Explained && nearer && after <= OF_A_SNAP
     });
     Ok(asked.map_or(found, |(other, _)| other))
+}
+
+/// What the runs beside those that the contacts tell of come to; `None` where there are none of these, too few others, or the others lack something
+/// that has no name.
+fn beside_told_by_contacts(case: &Case, begun: &Begun<'_>) -> Option<Outcome> {
+    let told = begun.told_by_contacts();
+    if told.is_empty() || begun.runs() - told.len() < LEAST_STEADY {
+        return None;
+    }
+    let mut aside = [&case.aside[..], told].concat();
+    aside.sort_unstable();
+    let mut found = explain(&Case { aside, ..case.clone() }).ok()?;
+    found.notes.push(format!(
+        "in {} of {} runs no balance of the rigid contact answers with the law that the recovered contacts show: its friction falls with speed more steeply than the structure resists; the law meets the force and the motion recovered of them, and no waveform is compared",
+        told.len(),
+        begun.runs()
+    ));
+    (found.verdict != Verdict::Unexplained).then_some(found)
 }
 
 /// The runs that a grid does not resolve, where these are few: none where it resolves all, or too many are not.

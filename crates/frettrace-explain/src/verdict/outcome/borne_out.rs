@@ -96,7 +96,7 @@ impl Search<'_> {
             return None;
         }
         let mut setting = self.declared_start(baseline);
-        setting.law = self.recovered_law.unwrap_or(setting.law);
+        setting.law = self.law_on_contacts().unwrap_or(setting.law);
         self.study.blank(setting, &[]).ok()
     }
 
