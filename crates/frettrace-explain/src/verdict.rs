@@ -141,7 +141,7 @@ struct Search<'a> {
     refused: Vec<(usize, String)>,
     /// Models beside the best one.
     rivals: Vec<Rival>,
-    /// Complete ones among them as they were fitted, the best few.
+    /// Complete ones among them, or those near one that is not, as they were fitted, the best few.
     runners_up: Vec<Explained>,
     /// Effects, by their places in the model, whose formulas stand under another name, of which alone something shows.
     renamed: Vec<(usize, usize)>,
@@ -308,7 +308,11 @@ impl Search<'_> {
             };
             if !better.complete() {
                 // A second effect may not be named for what a longer fit would have done.
+                let was = better.criterion;
                 better = self.further(better, before.excess());
+                if better.complete() {
+                    better = self.among_the_near(was, better);
+                }
             }
             if !before.effects.is_empty() && better.excess() > PROXY * before.excess() {
                 // It takes away a little of everything: a stand-in for what neither effect is.

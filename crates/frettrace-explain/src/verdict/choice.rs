@@ -62,7 +62,9 @@ impl Search<'_> {
         let chosen = found.swap_remove(chosen);
         // Each round leaves its own; one that asks for a further name begins anew.
         self.runners_up.retain(|one| one.effects.len() == chosen.effects.len());
-        self.runners_up.extend(found.into_iter().filter(Explained::complete));
+        // Where the chosen one does not explain all yet, those as near may come as far by its longer way.
+        let reach = if chosen.complete() { 0.0 } else { CLOSE * chosen.excess() };
+        self.runners_up.extend(found.into_iter().filter(|one| one.complete() || one.excess() < reach));
         self.runners_up.sort_by(Explained::by_criterion);
         self.runners_up.truncate(RUNNERS_UP);
         Some(chosen)
@@ -104,15 +106,20 @@ impl Search<'_> {
     ) -> Explained {
         let (grid, was) = (self.refined, named.criterion);
         let sharper = self.sharpened(named, enough, |_, one| one.complete());
-        let Some((&name, before)) = sharper.effects.split_last().filter(|_| self.refined > grid) else {
-            return sharper;
-        };
+        if self.refined > grid { self.among_the_near(was, sharper) } else { sharper }
+    }
+
+    /// A complete model, or of those that came nearer to what it `was` (a criterion) than its longer way has brought it, one that is better by the same
+    /// way: on its grid, with contacts that had not settled.
+    pub(super) fn among_the_near(&mut self, was: f64, sharper: Explained) -> Explained {
+        let Some((&name, before)) = sharper.effects.split_last() else { return sharper };
         let near = |one: &&Explained| {
             let beside = one.effects.split_last().is_some_and(|(last, rest)| *last != name && rest == before);
             beside && one.criterion - was < was - sharper.criterion
         };
         let near: Vec<&Explained> = self.runners_up.iter().filter(near).collect();
         let asked = near.into_par_iter().filter_map(|one| self.study.polished(one).ok());
+        let asked = asked.map(|one| self.study.unsettled_contacts(one));
         let asked = asked.filter(Explained::complete).map(|one| (self.weight(&one), one));
         let Some((weight, other)) = asked.min_by(|a, b| a.0.total_cmp(&b.0)) else { return sharper };
         let behind = self.weight(&sharper) - weight;

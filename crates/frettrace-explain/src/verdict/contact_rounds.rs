@@ -249,11 +249,12 @@ impl Search<'_> {
     ) -> Result<Option<Explained>, ExplainError> {
         let Some((best, others)) = self.contact_round(current, softened)? else { return Ok(None) };
         let lacked = current.excess();
+        let (was, followed) = (best.criterion, best.complete());
         let best = self.further(best, lacked);
         let best = self.shaped(best, lacked);
         let best = self.reformed(current, best, lacked);
         if best.complete() {
-            return Ok(Some(best));
+            return Ok(Some(if followed { best } else { self.among_the_near(was, best) }));
         }
         // What does better with one formula may be no nearer to another's than what does worse.
         let takes_its_own = |one: &Explained| one.excess() <= PROXY * lacked;
