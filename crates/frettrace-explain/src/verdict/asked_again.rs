@@ -113,8 +113,8 @@ impl<'a> Begun<'a> {
             search.coarse = None;
         }
         let mut told = baseline.complete() || search.is_beyond_all_grids(&baseline);
-        let by_method = search.within_method(&baseline) || search.foretells_within_grid(&baseline);
-        let by_contacts = if told || by_method { Vec::new() } else { search.told_by_contacts(&baseline) };
+        let by_method = || search.within_method(&baseline) || search.foretells_within_grid(&baseline);
+        let by_contacts = if told || by_method() { Vec::new() } else { search.told_by_contacts(&baseline) };
         told |= !by_contacts.is_empty();
         if !told && let Some(better) = search.restarted(&baseline) {
             baseline = better;

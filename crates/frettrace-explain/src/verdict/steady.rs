@@ -79,6 +79,13 @@ pub fn explain(case: &Case) -> Result<Outcome, ExplainError> {
     Ok(asked.map_or(found, |(other, _)| other))
 }
 
+/// What the runs of a case beside some come to.
+fn explain_beside(case: &Case, runs: &[usize]) -> Option<Outcome> {
+    let mut aside = [&case.aside[..], runs].concat();
+    aside.sort_unstable();
+    explain(&Case { aside, ..case.clone() }).ok()
+}
+
 /// What the runs beside those that the contacts tell of come to; `None` where there are none of these, too few others, or the others lack something
 /// that has no name.
 fn beside_told_by_contacts(case: &Case, begun: &Begun<'_>) -> Option<Outcome> {
@@ -86,9 +93,7 @@ fn beside_told_by_contacts(case: &Case, begun: &Begun<'_>) -> Option<Outcome> {
     if told.is_empty() || begun.runs() - told.len() < LEAST_STEADY {
         return None;
     }
-    let mut aside = [&case.aside[..], told].concat();
-    aside.sort_unstable();
-    let mut found = explain(&Case { aside, ..case.clone() }).ok()?;
+    let mut found = explain_beside(case, told)?;
     found.notes.push(format!(
         "in {} of {} runs no balance of the rigid contact answers with the law that the recovered contacts show: its friction falls with speed more steeply than the structure resists; the law meets the force and the motion recovered of them, and no waveform is compared",
         told.len(),
@@ -110,9 +115,7 @@ fn beside_unresolved(case: &Case, begun: &Begun<'_>, unresolved: &[usize]) -> Op
     if unresolved.is_empty() {
         return None;
     }
-    let mut aside = [&case.aside[..], unresolved].concat();
-    aside.sort_unstable();
-    let mut found = explain(&Case { aside, ..case.clone() }).ok()?;
+    let mut found = explain_beside(case, unresolved)?;
     // That nothing is missing is said where the declared model follows all that it was fitted to, and misses runs held out alone.
     if found.verdict == Verdict::NothingMissing && !begun.follows_fitted() {
         return None;
