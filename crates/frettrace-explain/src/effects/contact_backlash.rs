@@ -5,7 +5,7 @@
 //!
 //! *Shows as*: a delay of the contact force after every reversal, the same length at every level.
 //!
-//! *Mistaken for*: `contact.tangential-stiffness`, `friction.breakaway`; told apart by quasi-static loops: with play the force rests on a plateau after each reversal.
+//! *Mistaken for*: `contact.tangential-stiffness`, `friction.breakaway`, `structure.cubic-stiffness`; told apart by quasi-static loops: with play the force rests on a plateau after each reversal.
 
 use super::{Change, ContactForm, Effect, EffectPlace, known};
 use crate::Scales;
@@ -23,7 +23,7 @@ impl Effect for ContactBacklash {
     }
 
     fn rivals(&self) -> &'static [&'static str] {
-        &["contact.tangential-stiffness", "friction.breakaway"]
+        &["contact.tangential-stiffness", "friction.breakaway", "structure.cubic-stiffness"]
     }
 
     fn experiment(&self) -> &'static str {
@@ -46,6 +46,11 @@ impl Effect for ContactBacklash {
             ])
         };
         vec![play(0.03), play(0.15), shoulders(0.35), shoulders(0.7)]
+    }
+
+    /// Springs behind a clearance harden, as a cubic one on the beam does.
+    fn acts_like_one_outside(&self, law: &ModifiedLaw<f64>) -> bool {
+        known(law, &[Hook::ShoulderStiffness])
     }
 
     fn shape(&self, law: &ModifiedLaw<f64>, _scales: &Scales) -> Vec<Change> {

@@ -65,7 +65,8 @@ impl<'a> Search<'a> {
         while worth && !told(self, &current) {
             if corrects && current.ratio <= NEAR {
                 corrects = false;
-                if let Some((study, better)) = self.corrected(&current) {
+                let correct = || self.corrected(&current);
+                if let Some((study, better)) = self.known.corrected(&self.study, &current, correct) {
                     return self.moved_to(study, better);
                 }
             }

@@ -44,12 +44,33 @@ impl PartialEq for On {
     }
 }
 
+/// What a model that no finer grid corrects is told by: the grids, what counts as noise on the lines, which a rigid contact's grid adds to, and the model.
+#[derive(PartialEq)]
+struct Uncorrected {
+    grids: OnGrids,
+    deviations: Vec<Vec<Vec<f64>>>,
+    setting: Setting,
+    effects: Vec<usize>,
+}
+
+impl Uncorrected {
+    fn new(study: &Study<'_>, model: &Explained) -> Self {
+        Self {
+            grids: study.model.on_grids(),
+            deviations: study.model.runs.iter().map(|run| run.deviation.clone()).collect(),
+            setting: model.fitted.setting.clone(),
+            effects: model.effects.clone(),
+        }
+    }
+}
+
 /// Known answers. Copies share them.
 #[derive(Clone, Default)]
 pub(super) struct Known {
     models: Kept<By, Result<Explained, ExplainError>>,
     recovered: Kept<With, Arc<Recovered>>,
     candidates: Kept<On, Vec<ContactCandidate>>,
+    uncorrected: Kept<Uncorrected, ()>,
 }
 
 impl Known {
@@ -80,6 +101,24 @@ impl Known {
         }
         self.models.keep(by, kept);
         Asked { effect, answer }
+    }
+
+    /// A model corrected to a finer grid; `None` without asking where that is known to lead nowhere.
+    pub(super) fn corrected<T>(
+        &self,
+        study: &Study<'_>,
+        model: &Explained,
+        correct: impl FnOnce() -> Option<T>,
+    ) -> Option<T> {
+        let by = Uncorrected::new(study, model);
+        if self.uncorrected.of(&by).is_some() {
+            return None;
+        }
+        let found = correct();
+        if found.is_none() {
+            self.uncorrected.keep(by, ());
+        }
+        found
     }
 
     /// The contacts that are recovered with a model, recovered if they are not known. Those of a rigid contact count by deviations that its grids doubt.

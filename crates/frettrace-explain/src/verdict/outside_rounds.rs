@@ -103,7 +103,7 @@ impl Search<'_> {
         }
     }
 
-    /// The best effect outside the contact of those whose tangents promise enough, and of those of the contact that may hide in the structure, with the
+    /// The best effect outside the contact of those whose tangents, or the balance beside a contact without, promise enough, and of those of the contact that may hide in the structure, with the
     /// whole model.
     pub(super) fn hidden(&mut self, current: &Explained) -> Option<Explained> {
         let found = self.in_hiding(current);
@@ -112,9 +112,12 @@ impl Search<'_> {
 
     /// All of these.
     fn in_hiding(&mut self, current: &Explained) -> Vec<Explained> {
-        let study = self.coarse.as_ref().map_or(&self.study, |(study, _)| study);
-        let candidates = study.tangent_candidates(current);
-        let plain = current.criterion;
+        let (plain, candidates) = if current.fitted.setting.holds_rigidly() {
+            self.shown_by_the_balance(current)
+        } else {
+            let study = self.coarse.as_ref().map_or(&self.study, |(study, _)| study);
+            (current.criterion, study.tangent_candidates(current))
+        };
         self.tried.extend(candidates.iter().map(|c| Tried {
             id: ALL[c.effect].id(),
             error: f64::NAN,
@@ -134,6 +137,21 @@ impl Search<'_> {
         });
         let asked = outside.chain(of_contact).collect();
         self.answered(asked)
+    }
+
+    /// Effects outside a contact that has no tangents, of those that the balance has evidence for though it is closed within the noise, and what it costs
+    /// without any: the recovered force takes most of what another one on the beam does, not all.
+    fn shown_by_the_balance(&self, current: &Explained) -> (f64, Vec<BalanceCandidate>) {
+        let setting = self.structural_start(current);
+        let (plain, mut candidates) = self.structure_candidates(&setting, &current.added, &current.effects);
+        let mut seen = Vec::new();
+        candidates.retain(|candidate| {
+            let new = !seen.contains(&candidate.kind());
+            seen.push(candidate.kind());
+            new && candidate.criterion + EVIDENCE < plain.criterion
+        });
+        candidates.truncate(REFITTED);
+        (plain.criterion, candidates)
     }
 
     /// Forms of the effects of the contact that may hide in the structure, of those that no whole model was fitted with yet: of an effect that was, the recovered
@@ -211,9 +229,10 @@ impl Search<'_> {
         if !model.is_single() || ALL[model.effects[0]].place() != EffectPlace::Contact {
             return model;
         }
-        // What the grid of a rigid contact may be wrong by is nothing that a name leaves.
         let alike = ALL[model.effects[0]].acts_like_one_outside(&model.fitted.setting.law);
-        if model.left().is_noise() && model.ratio <= LEFT && !alike || self.is_of_grid(&model) {
+        let leaves_noise = || model.left().is_noise() && model.ratio <= LEFT;
+        // What the grid of a rigid contact may be wrong by is nothing that a name leaves.
+        if !alike && (leaves_noise() || self.is_of_grid(&model)) {
             return model;
         }
         let (case, setting) = (self.study.case, self.declared_start(baseline));
@@ -227,7 +246,8 @@ impl Search<'_> {
         let mut formless: Vec<usize> = Vec::new();
         for effect in rivals {
             let mut forms = ALL[effect].structure_forms(case, &setting, &self.study.scales);
-            if self.study.locates() {
+            // A contact that holds rigidly has no tangents to locate a force by.
+            if self.study.locates() && !setting.holds_rigidly() {
                 forms.retain(|form| !form.adds_a_force(&setting));
             }
             if forms.is_empty() {
