@@ -24,6 +24,7 @@ fn run() -> anyhow::Result<Outcome> {
     for ([low, high], count, found) in detection(&sets) {
         rows.push(reported(format!("detected, error without it {low} to {high} of the noise"), found, count));
     }
+    rows.extend(of_fresh(&Counts::of(&stored("verify_sweep/fresh.jsonl")?)));
     rows.extend(of_two(&Counts::of(&stored("verify_sweep/pairs.jsonl")?)));
     rows.extend(of_thirds(&Counts::of(&stored("verify_sweep/thirds.jsonl")?)));
     rows.push(again(&sets));
@@ -47,6 +48,12 @@ fn counted(c: &Counts) -> Vec<Row> {
         some("not in the list: unexplained, the right place", c.placed, c.nameless),
         some("not in the list: a wrong name (target 0.02)", c.misnamed, c.nameless),
     ]
+}
+
+/// Of sets that were asked once, before anything was mended that they showed.
+fn of_fresh(c: &Counts) -> Vec<Row> {
+    let once = |row: Row| Row { quantity: format!("asked once: {}", row.quantity), ..row };
+    counted(c).into_iter().map(once).collect()
 }
 
 /// Of sets with two effects that are both seen.
