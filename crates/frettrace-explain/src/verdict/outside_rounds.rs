@@ -103,8 +103,8 @@ impl Search<'_> {
         }
     }
 
-    /// The best effect outside the contact of those whose tangents, or the balance beside a contact without, promise enough, and of those of the contact that may hide in the structure, with the
-    /// whole model.
+    /// The best effect outside the contact of those whose tangents promise enough, or the balance where a contact has none, and of those of the contact that
+    /// may hide in the structure, with the whole model.
     pub(super) fn hidden(&mut self, current: &Explained) -> Option<Explained> {
         let found = self.in_hiding(current);
         self.take_best(current, found)
