@@ -54,6 +54,16 @@ impl BalanceCandidate {
         let settles = |u: &Unknown| u.quantity == Quantity::DriftRate;
         (self.effect, [self.unknowns.iter().any(all), self.unknowns.iter().any(settles)])
     }
+
+    /// Leaves the first of each [`kind`](Self::kind), in the order that they have.
+    pub fn leave_one_of_each_kind(candidates: &mut Vec<Self>) {
+        let mut seen = Vec::new();
+        candidates.retain(|candidate| {
+            let new = !seen.contains(&candidate.kind());
+            seen.push(candidate.kind());
+            new
+        });
+    }
 }
 
 impl<'a> BalanceProblem<'a> {
@@ -313,13 +323,8 @@ impl Study<'_> {
             })
             .collect();
         found.sort_by(BalanceCandidate::by_criterion);
-        let mut best: Vec<BalanceCandidate> = Vec::new();
-        for candidate in found {
-            if !best.iter().any(|b| b.kind() == candidate.kind()) {
-                best.push(candidate);
-            }
-        }
-        best
+        BalanceCandidate::leave_one_of_each_kind(&mut found);
+        found
     }
 
     /// χ² that a form leaves to first order.

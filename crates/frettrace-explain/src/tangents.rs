@@ -60,14 +60,13 @@ impl Study<'_> {
         let steady = STEADY.par_iter().flat_map_iter(|id| self.changes(current, id, &known));
         let mut found: Vec<BalanceCandidate> = forces.chain(steady).collect();
         found.sort_by(BalanceCandidate::by_criterion);
-        let (mut seen, mut effects) = (Vec::new(), Vec::new());
+        BalanceCandidate::leave_one_of_each_kind(&mut found);
+        let mut effects = Vec::new();
         found.retain(|candidate| {
-            let new = !seen.contains(&candidate.kind());
-            seen.push(candidate.kind());
             if !effects.contains(&candidate.effect) {
                 effects.push(candidate.effect);
             }
-            new && effects.len() <= ASKED
+            effects.len() <= ASKED
         });
         found
     }

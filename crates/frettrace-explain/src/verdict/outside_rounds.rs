@@ -144,12 +144,8 @@ impl Search<'_> {
     fn shown_by_the_balance(&self, current: &Explained) -> (f64, Vec<BalanceCandidate>) {
         let setting = self.structural_start(current);
         let (plain, mut candidates) = self.structure_candidates(&setting, &current.added, &current.effects);
-        let mut seen = Vec::new();
-        candidates.retain(|candidate| {
-            let new = !seen.contains(&candidate.kind());
-            seen.push(candidate.kind());
-            new && candidate.criterion + EVIDENCE < plain.criterion
-        });
+        BalanceCandidate::leave_one_of_each_kind(&mut candidates);
+        candidates.retain(|candidate| candidate.criterion + EVIDENCE < plain.criterion);
         candidates.truncate(REFITTED);
         (plain.criterion, candidates)
     }
